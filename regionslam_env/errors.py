@@ -1,0 +1,36 @@
+"""Errors on user input: what came, what was expected, and the nearest known names."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+
+
+class WorldError(ValueError):
+    """A world that cannot be used; the message names file, feature, field, value and expectation."""
+
+
+def unknown(kind: str, name: object, known: Iterable[str]) -> str:
+    """Return one line saying that `name` is no known `kind`, with the nearest known names.
+
+    Parameters
+    ----------
+    kind
+        What was looked for, e.g. ``"world"``.
+    name
+        What came.
+    known
+        Every valid name; all are listed where none is near and they are few.
+    """
+    names = sorted(set(known))
+    lower: dict[str, str] = {}
+    for candidate in names:
+        lower.setdefault(candidate.lower(), candidate)
+    near = [lower[n] for n in difflib.get_close_matches(str(name).lower(), lower, n=3, cutoff=0.6)]
+    line = f"unknown {kind} {str(name)!r}"
+    if near:
+        return f"{line}: did you mean {' or '.join(map(repr, near))}?"
+    if not names:
+        return line
+    shown = ", ".join(map(repr, names[:20])) + (", ..." if len(names) > 20 else "")
+    return f"{line}: expected one of {shown}"
