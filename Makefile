@@ -1,0 +1,52 @@
+# Every target sets itself up from a bare clone: `make demo`, `make test`, `make check`.
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+PIP := $(BIN)/python -m pip --disable-pip-version-check
+TORCH := $(shell sed -n 's/^torch==/torch==/p' constraints.txt)
+SETUP := pyproject.toml constraints.txt $(wildcard packaging/*)
+
+.PHONY: demo test slow check format clean
+
+demo: $(VENV)/.core
+	$(BIN)/regionslam run "go to the kitchen" --world institute --seed 7 --out out/demo
+
+test: $(VENV)/.test
+	$(BIN)/python -m pytest -q
+
+slow: $(VENV)/.test
+	$(BIN)/python -m pytest -q -m slow
+
+check: $(VENV)/.check
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+format: $(VENV)/.check
+	$(BIN)/ruff check --fix .
+	$(BIN)/ruff format .
+
+clean:
+	rm -rf $(VENV) build dist *.egg-info .pytest_cache .ruff_cache .mypy_cache
+
+$(VENV)/.created:
+	@$(PYTHON) -c 'import sys; sys.exit("regionslam-env needs Python 3.11 or newer, this is " + sys.version.split()[0] + "; try: make PYTHON=python3.11" if sys.version_info < (3, 11) else 0)'
+	$(PYTHON) -m venv $(VENV)
+	@touch $@
+
+$(VENV)/.core: $(VENV)/.created $(SETUP)
+	$(PIP) install -q -c constraints.txt -e .
+	@touch $@
+
+# PyPI's torch for Linux brings 3 GB of CUDA: take a CPU wheel that pip is set up with, else PyTorch's own CPU index.
+$(VENV)/.test: $(VENV)/.core
+	@$(PIP) install -q --no-deps --no-index "$(TORCH)" 2>/dev/null \
+		|| $(PIP) install -q --no-deps --retries 1 --timeout 20 --index-url https://download.pytorch.org/whl/cpu "$(TORCH)" 2>/dev/null \
+		|| true
+	$(PIP) install -q -c constraints.txt -e ".[test]"
+	@touch $@
+
+$(VENV)/.check: $(VENV)/.core
+	$(PIP) install -q -c constraints.txt -e ".[check]"
+	@touch $@
