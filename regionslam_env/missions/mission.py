@@ -1,0 +1,41 @@
+"""What the robot is asked to do."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class GoTo:
+    """Be in any region of a type.
+
+    Parameters
+    ----------
+    type
+        Semantic type of the wanted region, a word of the environment's vocabulary.
+    """
+
+    type: str
+
+    def __str__(self) -> str:
+        return f"go to the {self.type}"
+
+
+@dataclass(frozen=True)
+class Mission:
+    """Instructions to follow in order.
+
+    Parameters
+    ----------
+    instructions
+        At least one.
+    """
+
+    instructions: tuple[GoTo, ...]
+
+    def __post_init__(self) -> None:
+        if not self.instructions:
+            raise ValueError("a mission has at least one instruction; got none")
+
+    def __str__(self) -> str:
+        return ", then ".join(str(instruction) for instruction in self.instructions)
