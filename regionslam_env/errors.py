@@ -6,6 +6,10 @@ import difflib
 from collections.abc import Iterable
 
 
+class ConfigError(ValueError):
+    """A setting that is unknown, of the wrong type or out of range."""
+
+
 class WorldError(ValueError):
     """A world that cannot be used; the message names file, feature, field, value and expectation."""
 
