@@ -174,14 +174,6 @@ class NoiseConfig:
                 _not_negative(part, entry.name)
 
 
-NOISE_SETS: Mapping[str, NoiseConfig] = {
-    "standard": NoiseConfig(),
-    "heavy": NoiseConfig(MotionNoise(0.0025, 0.0004, 0.0025), MeasurementNoise(0.15, 0.20, 0.05)),
-    "none": NoiseConfig(lidar_sigma=0.0, simulated_factor=0.0, odometry_factor=0.0),
-}
-"""Noise sets by name. `none` simulates no noise at all and tells the filter the standard one."""
-
-
 def noise_set(noise: str | Mapping[str, Any] | NoiseConfig) -> NoiseConfig:
     """Return the noise set of that name, the one given, or the standard one with some of its values changed.
 
@@ -274,3 +266,11 @@ def _whole(config: Any, name: str) -> None:
     value = getattr(config, name)
     if value != int(value):
         raise ConfigError(f"{name} is {value}, expected a whole number")
+
+
+NOISE_SETS: Mapping[str, NoiseConfig] = {
+    "standard": NoiseConfig(),
+    "heavy": NoiseConfig(MotionNoise(0.0025, 0.0004, 0.0025), MeasurementNoise(0.15, 0.20, 0.05)),
+    "none": NoiseConfig(lidar_sigma=0.0, simulated_factor=0.0, odometry_factor=0.0),
+}
+"""Noise sets by name. `none` simulates no noise at all and tells the filter the standard one."""
