@@ -1,0 +1,23 @@
+"""The ids under which Gymnasium finds the environments. Importing this module loads neither physics nor filter."""
+
+from __future__ import annotations
+
+from typing import Any
+
+ENTRY_POINT = "regionslam_env.env:SemanticNavigationEnv"
+
+ENVIRONMENTS: dict[str, dict[str, Any]] = {
+    "RegionSLAM/GoTo-v0": {"arrival": "stay"},
+    "RegionSLAM/GoTo-Declare-v0": {"arrival": "declare"},
+}
+"""Keyword arguments that set each id apart; the rest of them can be given to `gymnasium.make`."""
+
+
+def register_envs() -> None:
+    """Register every id; called by the entry point `gymnasium.envs` and by ``import regionslam_env``, once or twice."""
+    from gymnasium.envs.registration import register, registry
+
+    for env_id, kwargs in ENVIRONMENTS.items():
+        if env_id not in registry:
+            # No TimeLimit: the environment counts its own steps, so that the last info always holds the metrics.
+            register(env_id, entry_point=ENTRY_POINT, kwargs=kwargs)
