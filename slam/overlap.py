@@ -1,10 +1,10 @@
 """Exact overlap of two rows of rectangles, for hot loops: closed form, no allocation.
 
-A row is given in edge form: frame (x, y, phi), boundaries ``u``, bottoms ``b`` and tops ``t`` of which the first ``n + 1``
-and ``n`` entries count (`slam.rows.Row`; lengths in m, angle in rad).
+A row is given in edge form: frame (x, y, phi), boundaries ``u``, bottoms ``b`` and tops ``t`` of which the first
+``n + 1`` and ``n`` entries count (`slam.rows.Row`; lengths in m, angle in rad).
 
-The overlap of an upright box ``[u0, u1] x [b, t]`` with a polygon is the integral of ``clamp(y, b, t) dx`` along the polygon's
-outline between u0 and u1 (Green's theorem). It needs no clipped polygon, and it is exact up to rounding.
+The overlap of an upright box ``[u0, u1] x [b, t]`` with a polygon is the integral of ``clamp(y, b, t) dx`` along the
+polygon's outline between u0 and u1 (Green's theorem). It needs no clipped polygon, and it is exact up to rounding.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ def rows_overlap(
 def box_overlap(
     u0: float, u1: float, b: float, t: float, x: float, y: float, c: float, s: float, half_w: float, half_h: float
 ) -> float:
-    """Return the overlap (m²) of the box ``[u0, u1] x [b, t]`` with a rectangle about (x, y) whose heading is (c, s)."""
+    """Return the overlap (m²) of the box ``[u0, u1] x [b, t]`` with a rectangle about (x, y) of heading (c, s)."""
     reach_x = abs(c) * half_w + abs(s) * half_h
     reach_y = abs(s) * half_w + abs(c) * half_h
     if x + reach_x <= u0 or x - reach_x >= u1 or y + reach_y <= b or y - reach_y >= t:
@@ -117,10 +117,10 @@ def row_contains(x: float, y: float, phi: float, u: Floats, b: Floats, t: Floats
     """Return whether the point (px, py) lies in one of a row's rectangles."""
     c, s = math.cos(phi), math.sin(phi)
     along, across = c * (px - x) + s * (py - y), c * (py - y) - s * (px - x)
+    inside = False
     for i in range(n):
-        if u[i] <= along <= u[i + 1] and b[i] <= across <= t[i]:
-            return True
-    return False
+        inside |= u[i] <= along <= u[i + 1] and b[i] <= across <= t[i]
+    return inside
 
 
 def overlap_area(a: Row, b: Row) -> float:

@@ -1,7 +1,7 @@
 """Angles, poses and frames of the plane.
 
-A pose is an array (x, y, theta) in m, m, rad; theta turns counter-clockwise. `world_T_robot` is the pose of the robot's frame in
-the world, and it takes points of the robot's frame to the world. Poses may be stacked, shape (..., 3).
+A pose is an array (x, y, theta) in m, m, rad; theta turns counter-clockwise. `world_T_robot` is the pose of the robot's
+frame in the world, and it takes points of the robot's frame to the world. Poses may be stacked, shape (..., 3).
 """
 
 from __future__ import annotations

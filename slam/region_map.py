@@ -1,0 +1,266 @@
+"""The map as it leaves the filter: queries by type, place and relation."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, TypeGuard
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from slam import relations, words
+from slam.edges import Point
+from slam.geojson import features_to_geojson
+from slam.region import RegionFeature
+from slam.rows import Floats
+
+Reference = RegionFeature | int
+"""A region of the map, or its id."""
+
+
+class UnknownRegionError(ValueError):
+    """A region was asked for that the map doesn't hold."""
+
+
+@dataclass(frozen=True)
+class GraphEdge:
+    """An adjacency (kind "adjacent", both directions) or a containment ("contains", target inside source)."""
+
+    source: int
+    target: int
+    kind: str
+    probability: float
+
+
+@dataclass(frozen=True)
+class MapGraph:
+    """The topological map as plain lists: ids of regions as nodes, adjacency and containment as edges."""
+
+    nodes: tuple[int, ...]
+    edges: tuple[GraphEdge, ...]
+    features: tuple[RegionFeature, ...]
+
+    def to_networkx(self) -> Any:
+        """Return a `networkx.MultiDiGraph`; nodes carry `type`, `x`, `y`, edges `kind` and `probability`.
+
+        Raises
+        ------
+        ImportError
+            If networkx isn't installed.
+        """
+        try:
+            import networkx
+        except ImportError as error:
+            raise ImportError(
+                "a networkx graph needs networkx: pip install networkx, or use .nodes and .edges as they are"
+            ) from error
+        graph = networkx.MultiDiGraph()
+        for feature in self.features:
+            x, y = feature.row.centre
+            graph.add_node(feature.id, type=feature.type, x=x, y=y)
+        for edge in self.edges:
+            graph.add_edge(edge.source, edge.target, kind=edge.kind, probability=edge.probability)
+            if edge.kind == "adjacent":
+                graph.add_edge(edge.target, edge.source, kind=edge.kind, probability=edge.probability)
+        return graph
+
+
+class RegionMap:
+    """A semantic map of regions in the map frame.
+
+    A region is credible if no hypothesis of another type outdoes it at its place and it isn't more likely absent than
+    not. Queries answer with credible regions, in the order of their ids; links and containments count if they are more
+    likely than not. Wherever a region is asked for, its id will do.
+
+    Parameters
+    ----------
+    features
+        All hypotheses.
+    """
+
+    def __init__(self, features: Sequence[RegionFeature] = ()) -> None:
+        self.hypotheses: tuple[RegionFeature, ...] = tuple(sorted(features, key=lambda feature: feature.id))
+        self._by_id = {feature.id: feature for feature in self.hypotheses}
+        if len(self._by_id) != len(self.hypotheses):
+            ids = [feature.id for feature in self.hypotheses]
+            raise ValueError(
+                f"region ids must differ; {sorted({i for i in ids if ids.count(i) > 1})} come more than once"
+            )
+
+    def __len__(self) -> int:
+        return len(self.regions)
+
+    def __iter__(self) -> Iterator[RegionFeature]:
+        return iter(self.regions)
+
+    def __contains__(self, region: object) -> bool:
+        return (region.id if isinstance(region, RegionFeature) else region) in self._by_id
+
+    def __getitem__(self, region: Reference) -> RegionFeature:
+        """Return the region with an id (a feature is looked up by its own)."""
+        key = region.id if isinstance(region, RegionFeature) else region
+        try:
+            return self._by_id[key]
+        except KeyError:
+            near = difflib.get_close_matches(str(key), [str(i) for i in self._by_id], n=3)
+            hint = f"; nearest ids: {', '.join(near)}" if near else ""
+            raise UnknownRegionError(f"no region {key!r} in a map of {len(self.hypotheses)}{hint}") from None
+
+    @cached_property
+    def regions(self) -> tuple[RegionFeature, ...]:
+        """The credible regions."""
+        return tuple(feature for feature in self.hypotheses if feature.credible and feature.existence >= 0)
+
+    @cached_property
+    def types(self) -> tuple[str, ...]:
+        """Semantic types of the credible regions, sorted."""
+        return tuple(sorted({feature.type for feature in self.regions}))
+
+    def regions_of_type(self, type: str) -> tuple[RegionFeature, ...]:
+        """Return the credible regions of a semantic type; none for a type that wasn't seen."""
+        return tuple(feature for feature in self.regions if feature.type == type)
+
+    def region_at(self, x: float, y: float) -> RegionFeature | None:
+        """Return the innermost credible region around a point of the map (m), or None."""
+        inside = self.regions_at(x, y)
+        return inside[0] if inside else None
+
+    def regions_at(self, x: float, y: float) -> tuple[RegionFeature, ...]:
+        """Return all credible regions around a point (m), innermost first: deepest containment, then smallest."""
+        centres, radii = self._circles
+        near = np.flatnonzero((centres[:, 0] - x) ** 2 + (centres[:, 1] - y) ** 2 <= radii**2)
+        inside = [self.regions[i] for i in near if self.regions[i].row.contains([(x, y)])[0]]
+        return tuple(sorted(inside, key=lambda feature: (-len(self.ancestors(feature)), feature.row.area, feature.id)))
+
+    def neighbours(self, region: Reference) -> tuple[RegionFeature, ...]:
+        """Return the credible regions linked to a region, the surest link first."""
+        feature = self[region]
+        found = self._links.get(feature.id, {})
+        return tuple(self._by_id[i] for i in sorted(found, key=lambda i: (-found[i], i)))
+
+    def parent(self, region: Reference) -> RegionFeature | None:
+        """Return the region that contains a region most likely, or None."""
+        parent = self._parents.get(self[region].id)
+        return None if parent is None else self._by_id[parent]
+
+    def children(self, region: Reference) -> tuple[RegionFeature, ...]:
+        """Return the regions directly inside a region."""
+        key = self[region].id
+        return tuple(self._by_id[child] for child, parent in sorted(self._parents.items()) if parent == key)
+
+    def ancestors(self, region: Reference) -> tuple[RegionFeature, ...]:
+        """Return the regions around a region, from its parent outwards."""
+        found, key = [], self[region].id
+        while key in self._parents:
+            key = self._parents[key]
+            found.append(self._by_id[key])
+        return tuple(found)
+
+    def next_to(self, a: Reference, b: Reference) -> bool:
+        """Return whether two regions are next to each other (`relations.next_to`)."""
+        return relations.next_to(self[a], self[b])
+
+    def in_front_of(self, place: Reference | ArrayLike, target: Reference) -> bool:
+        """Return whether a point, pose or the centre of a region is in front of a region (`relations.in_front_of`)."""
+        return relations.in_front_of(self._point(place), self[target], self.parent(target))
+
+    def in_the_middle_of(self, place: Reference | ArrayLike, region: Reference) -> bool:
+        """Return whether a point, pose or region's centre is in the middle of one (`relations.in_the_middle_of`)."""
+        return relations.in_the_middle_of(self._point(place), self[region])
+
+    def at_the_end_of(self, place: Reference | ArrayLike, hallway: Reference) -> bool:
+        """Return whether a point, pose or region is at the end of a hallway (`relations.at_the_end_of`)."""
+        where: object = place
+        return relations.at_the_end_of(self[where] if _is_reference(where) else self._point(where), self[hallway])
+
+    def name(self, region: Reference) -> str:
+        """Return what to call a region: "kitchen" if it is the only one, else "office 3", counted by ids."""
+        feature = self[region]
+        alike = self.regions_of_type(feature.type)
+        if len(alike) < 2 or feature not in alike:
+            return feature.type
+        return f"{feature.type} {alike.index(feature) + 1}"
+
+    def describe(self, pose: ArrayLike) -> str:
+        """Return a sentence about a pose: "I am in the hallway, next to the door leading to the kitchen."."""
+        return words.describe(self, self._point(pose))
+
+    def graph(self) -> MapGraph:
+        """Return credible regions, links and containments as plain lists (`.to_networkx()` for a graph object)."""
+        edges = [
+            GraphEdge(source, target, "adjacent", _probability(log_odds))
+            for source, targets in sorted(self._links.items())
+            for target, log_odds in sorted(targets.items())
+            if source < target
+        ]
+        edges += [
+            GraphEdge(parent, child, "contains", _probability(self._by_id[parent].children[child]))
+            for child, parent in sorted(self._parents.items())
+        ]
+        return MapGraph(tuple(feature.id for feature in self.regions), tuple(edges), self.regions)
+
+    def to_geojson(self) -> dict[str, Any]:
+        """Return all hypotheses as a GeoJSON FeatureCollection in local metres, with every field of Fig. 1."""
+        return features_to_geojson(self.hypotheses)
+
+    def _point(self, place: object) -> Point:
+        """Return a point from a point, a pose, or a region's centre."""
+        if _is_reference(place):
+            return self[place].row.centre
+        values = np.asarray(place, dtype=np.float64)
+        if values.shape not in ((2,), (3,)):
+            raise ValueError(f"a place is a region, its id, (x, y) or a pose (x, y, theta); got shape {values.shape}")
+        return float(values[0]), float(values[1])
+
+    @cached_property
+    def _circles(self) -> tuple[Floats, Floats]:
+        """Centres (k, 2) and radii (k,) of circles around the credible regions, m."""
+        centres, radii = np.zeros((len(self.regions), 2)), np.zeros(len(self.regions))
+        for i, feature in enumerate(self.regions):
+            corners = feature.row.rectangles().reshape(-1, 2)
+            centres[i] = (corners.min(axis=0) + corners.max(axis=0)) / 2
+            radii[i] = np.hypot(*(corners - centres[i]).T).max() * (1 + 1e-9)
+        return centres, radii
+
+    @cached_property
+    def _links(self) -> dict[int, dict[int, float]]:
+        """Log-odds above 0 of the links between credible regions, in both directions: the surer belief counts."""
+        credible = {feature.id for feature in self.regions}
+        links: dict[int, dict[int, float]] = {}
+        for feature in self.regions:
+            for neighbours in feature.neighbours.values():
+                for other, log_odds in neighbours.items():
+                    if log_odds > 0 and other in credible and other != feature.id:
+                        for a, b in ((feature.id, other), (other, feature.id)):
+                            links.setdefault(a, {})[b] = max(log_odds, links.get(a, {}).get(b, log_odds))
+        return links
+
+    @cached_property
+    def _parents(self) -> dict[int, int]:
+        """Child to parent: the surest containments that make a forest."""
+        credible = {feature.id for feature in self.regions}
+        pairs = [
+            (-log_odds, feature.id, child)
+            for feature in self.regions
+            for child, log_odds in feature.children.items()
+            if log_odds > 0 and child in credible
+        ]
+        parents: dict[int, int] = {}
+        for _, parent, child in sorted(pairs):
+            above: int | None = parent
+            while above is not None and above != child:
+                above = parents.get(above)
+            if child not in parents and above is None:
+                parents[child] = parent
+        return parents
+
+
+def _is_reference(place: object) -> TypeGuard[Reference]:
+    return isinstance(place, RegionFeature) or (isinstance(place, int | np.integer) and not isinstance(place, bool))
+
+
+def _probability(log_odds: float) -> float:
+    return float(1 / (1 + np.exp(-log_odds)))
