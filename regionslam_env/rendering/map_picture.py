@@ -1,0 +1,88 @@
+"""A picture of a believed map alone: regions shaded by type, links, the path and the pose."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike
+from PIL import Image, ImageDraw
+
+from regionslam_env.rendering.layers import draw_ellipse, draw_links, draw_path, draw_regions, draw_robot
+from regionslam_env.rendering.legend import SIGNS, draw_legend, legend_height
+from regionslam_env.rendering.palette import BELIEF, FAINT, INK, MUTED, PAPER, UNSEEN, font
+from regionslam_env.rendering.panel import Panel, Viewport
+from regionslam_env.rendering.shapes import Shape
+from slam.rows import Floats
+
+MARGIN = 16
+HEADER = 50
+MAP_SIGNS = tuple(sign for sign in SIGNS if sign[0] not in ("lidar", "true path"))
+
+
+def draw_map(
+    shapes: Sequence[Shape],
+    pose: ArrayLike | None = None,
+    covariance: Floats | None = None,
+    path: ArrayLike = (),
+    goal: str | None = None,
+    title: str = "Believed map",
+    width: int = 1280,
+    robot_radius: float = 0.2,
+) -> Image.Image:
+    """Return a picture of believed regions, turned so that most walls run along its sides.
+
+    Parameters
+    ----------
+    shapes
+        Regions in the map frame (`shapes_of_map`, `shapes_of_records`).
+    pose, covariance, path
+        Believed pose, its covariance and the path so far in the map frame, shapes (3,), (3, 3) and (k, 2 or more).
+    goal
+        Semantic type to highlight.
+    """
+    frame = np.array([0.0, 0.0, -_main_direction(shapes)])
+    inner = width - 2 * MARGIN
+    upright = Viewport(np.eye(2), np.zeros(2), 1.0).seen_from(frame)
+    points = [np.array(upright.pixels(s.row.outline())) for s in shapes]
+    if len(np.asarray(path)):
+        points.append(np.array(upright.pixels(np.asarray(path, dtype=np.float64)[:, :2])))
+    corners = np.concatenate(points) if points else np.array([[-5.0, -3.0], [5.0, 3.0]])
+    (x0, y0), (x1, y1) = corners.min(axis=0), corners.max(axis=0)
+    height = round(min(max(40 + inner * (y1 - y0) / max(x1 - x0, 1e-6), 0.25 * inner), 1.1 * inner))
+    panel = Panel((inner, height), UNSEEN)
+    view = Viewport.fit((x0, y0, x1, y1), panel.size, 20).seen_from(frame)
+    draw_regions(panel, view, shapes, goal, edge=1.8)
+    draw_links(panel, view, shapes)
+    draw_path(panel, view, path, BELIEF)
+    if pose is not None:
+        draw_robot(panel, view, pose, robot_radius, BELIEF, 7.0)
+        if covariance is not None:
+            draw_ellipse(panel, view, pose, covariance)
+    return _compose(panel, view.scale, shapes, title)
+
+
+def _compose(panel: Panel, scale: float, shapes: Sequence[Shape], title: str) -> Image.Image:
+    """Add title, scale and legend."""
+    types = tuple(sorted({shape.type for shape in shapes}))
+    inner = panel.size[0]
+    top = HEADER + panel.size[1] + 10
+    picture = Image.new("RGB", (inner + 2 * MARGIN, top + legend_height(inner, types, MAP_SIGNS) + 4), PAPER)
+    picture.paste(panel.finish(), (MARGIN, HEADER))
+    draw = ImageDraw.Draw(picture)
+    draw.rectangle((MARGIN, HEADER, MARGIN + inner - 1, HEADER + panel.size[1] - 1), outline=FAINT)
+    draw.text((MARGIN, HEADER // 2), title, INK, font(22), anchor="lm")
+    metres = next((m for m in (1, 2, 5, 10, 20, 50) if m * scale > 60), 100)
+    right = MARGIN + inner
+    draw.line((right - metres * scale, HEADER - 14, right, HEADER - 14), MUTED, 2)
+    for x in (right - metres * scale, right):
+        draw.line((x, HEADER - 18, x, HEADER - 10), MUTED, 2)
+    draw.text((right - metres * scale / 2, HEADER - 26), f"{metres} m", MUTED, font(13), anchor="mm")
+    draw_legend(picture, MARGIN, top, inner, types, MAP_SIGNS)
+    return picture
+
+
+def _main_direction(shapes: Sequence[Shape]) -> float:
+    """Return the direction of most walls in (−π/4, π/4], weighted by length: the mean over four-fold symmetry, rad."""
+    total = sum(np.exp(4j * s.row.phi) * np.sqrt(s.row.area) for s in shapes)
+    return float(np.angle(total) / 4) if shapes else 0.0

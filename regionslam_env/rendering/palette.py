@@ -1,0 +1,91 @@
+"""Colours and fonts, the same in every picture: a type keeps its colour from the animation to the map."""
+
+from __future__ import annotations
+
+import colorsys
+import hashlib
+from functools import cache, lru_cache
+
+from PIL import Image, ImageDraw, ImageFont
+
+Colour = tuple[int, int, int]
+
+INK: Colour = (38, 44, 56)
+MUTED: Colour = (110, 118, 132)
+FAINT: Colour = (196, 201, 209)
+PAPER: Colour = (255, 255, 255)
+FLOOR: Colour = (246, 245, 242)
+UNSEEN: Colour = (226, 229, 234)
+TRUTH: Colour = (31, 78, 158)
+BELIEF: Colour = (196, 43, 84)
+GOAL: Colour = (222, 120, 0)
+LIDAR: Colour = (22, 140, 120)
+LINK: Colour = (90, 98, 112)
+
+_TYPES: dict[str, str] = {
+    "hallway": "#f1e9d2",
+    "office": "#b3cfee",
+    "kitchen": "#f9bd7e",
+    "laboratory": "#c7b2ea",
+    "meeting room": "#a5dcb4",
+    "toilet": "#95dbe0",
+    "storage": "#d3bea4",
+    "classroom": "#f4dd86",
+    "lobby": "#f3cfc6",
+    "stairs": "#bcc4ce",
+    "elevator": "#9ca8b8",
+    "entrance": "#eeb0c6",
+    "service room": "#c6c49c",
+    "door": "#d9694f",
+    "desk": "#a98d6c",
+    "cupboard": "#857360",
+    "table": "#bb9264",
+    "other": "#d6d8db",
+}
+
+
+@cache
+def type_colour(region_type: str) -> Colour:
+    """Return the fill colour of a semantic type; an unknown type gets a pale one of its own, always the same."""
+    code = _TYPES.get(region_type)
+    if code is not None:
+        return int(code[1:3], 16), int(code[3:5], 16), int(code[5:7], 16)
+    hue = hashlib.sha256(region_type.encode()).digest()[0] / 256
+    red, green, blue = colorsys.hsv_to_rgb(hue, 0.35, 0.9)
+    return round(255 * red), round(255 * green), round(255 * blue)
+
+
+def blend(colour: Colour, other: Colour, share: float) -> Colour:
+    """Return `colour` mixed with a share in [0, 1] of `other`."""
+    red, green, blue = (round((1 - share) * a + share * b) for a, b in zip(colour, other, strict=True))
+    return red, green, blue
+
+
+@cache
+def font(size: int) -> ImageFont.FreeTypeFont:
+    """Return Pillow's own font, so that pictures look alike on every machine.
+
+    Raises
+    ------
+    OSError
+        Where Pillow was built without FreeType.
+    """
+    loaded = ImageFont.load_default(size)
+    if not isinstance(loaded, ImageFont.FreeTypeFont):
+        raise OSError("Pillow was built without FreeType, which the pictures' text needs")
+    return loaded
+
+
+@cache
+def text_width(text: str, size: int) -> float:
+    """Return the width of a text, px."""
+    return font(size).getlength(text)
+
+
+@lru_cache(maxsize=4096)
+def text_mask(text: str, size: int) -> Image.Image:
+    """Return a text's coverage, mode "L": pasted through it, any colour is quicker than set anew."""
+    left, top, right, bottom = font(size).getbbox(text)
+    mask = Image.new("L", (max(1, int(right - left) + 2), max(1, int(bottom - top) + 2)))
+    ImageDraw.Draw(mask).text((1 - left, 1 - top), text, 255, font(size))
+    return mask

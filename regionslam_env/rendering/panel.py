@@ -1,0 +1,156 @@
+"""A drawing surface in metres: geometry is drawn at twice the size and reduced, text is set on the result."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+from PIL import Image, ImageDraw
+
+from regionslam_env.rendering.palette import Colour, text_mask
+from slam.rows import Floats
+
+SUPERSAMPLING = 2
+
+Pixels = list[tuple[float, float]]
+
+
+@dataclass(frozen=True, eq=False)
+class Viewport:
+    """Affine map from metres to pixels, y upwards.
+
+    Parameters
+    ----------
+    matrix, offset
+        ``pixel = matrix @ point + offset``, shapes (2, 2) and (2,).
+    scale
+        Pixels per metre.
+    """
+
+    matrix: Floats
+    offset: Floats
+    scale: float
+
+    @classmethod
+    def fit(cls, bounds: tuple[float, float, float, float], size: tuple[int, int], margin: float = 10.0) -> Viewport:
+        """Show all of `bounds` (x0, y0, x1, y1 in m) centred in `size` pixels, with a margin in pixels."""
+        x0, y0, x1, y1 = bounds
+        width, height = max(x1 - x0, 1e-6), max(y1 - y0, 1e-6)
+        scale = min((size[0] - 2 * margin) / width, (size[1] - 2 * margin) / height)
+        return cls.centred((x0 + x1) / 2, (y0 + y1) / 2, scale, size)
+
+    @classmethod
+    def centred(cls, x: float, y: float, scale: float, size: tuple[int, int]) -> Viewport:
+        """Show the point (x, y) in the middle of `size` pixels, `scale` pixels to the metre."""
+        offset = np.array([size[0] / 2 - scale * x, size[1] / 2 + scale * y])
+        return cls(np.diag([scale, -scale]), offset, scale)
+
+    def seen_from(self, pose: ArrayLike) -> Viewport:
+        """Return the viewport for points that are given in the frame of `pose` (x, y, theta)."""
+        x, y, theta = np.asarray(pose, dtype=np.float64)
+        c, s = np.cos(theta), np.sin(theta)
+        rotation = np.array([[c, -s], [s, c]])
+        return Viewport(self.matrix @ rotation, self.matrix @ np.array([x, y]) + self.offset, self.scale)
+
+    def pixels(self, points: ArrayLike) -> Pixels:
+        """Return points, shape (k, 2) in m, as a list of pixel pairs."""
+        moved = np.asarray(points, dtype=np.float64) @ self.matrix.T + self.offset
+        return list(map(tuple, moved.tolist()))  # type: ignore[arg-type]
+
+
+class Panel:
+    """One picture in the making; coordinates are pixels of the finished picture.
+
+    Parameters
+    ----------
+    size
+        Width and height, px.
+    background
+        Colour of the empty panel, or a panel to start from.
+    """
+
+    def __init__(self, size: tuple[int, int], background: Colour | Image.Image) -> None:
+        self.size = size
+        if isinstance(background, Image.Image):
+            self._image = background.copy()
+        else:
+            self._image = Image.new("RGB", (size[0] * SUPERSAMPLING, size[1] * SUPERSAMPLING), background)
+        self._draw = ImageDraw.Draw(self._image)
+        self._glaze = ImageDraw.Draw(self._image, "RGBA")  # blends translucent colours, and takes longer
+        self._texts: list[tuple[float, float, str, Colour, int]] = []
+
+    def polygon(self, points: Pixels, fill: Colour, alpha: float = 1.0) -> None:
+        """Fill a polygon."""
+        if alpha < 1:
+            self._glaze.polygon(_double(points), fill=(*fill, round(255 * alpha)))
+        else:
+            self._draw.polygon(_double(points), fill=fill)
+
+    def shows(self, start: tuple[float, float], end: tuple[float, float]) -> bool:
+        """Return whether the box around a segment meets the panel."""
+        return (
+            max(start[0], end[0]) >= 0
+            and min(start[0], end[0]) <= self.size[0]
+            and max(start[1], end[1]) >= 0
+            and min(start[1], end[1]) <= self.size[1]
+        )
+
+    def line(self, points: Pixels, colour: Colour, width: float = 1.0) -> None:
+        """Draw an open line."""
+        if len(points) > 1:
+            joint = "curve" if len(points) > 2 and width > 2 else None
+            self._draw.line(_double(points), colour, _thick(width), joint=joint)
+
+    def dashes(self, start: tuple[float, float], end: tuple[float, float], colour: Colour, width: float = 1.0) -> None:
+        """Draw a dashed segment; it begins and ends with a dash."""
+        dash, gap = 4.0, 3.5
+        length = float(np.hypot(end[0] - start[0], end[1] - start[1]))
+        count = max(1, round((length + gap) / (dash + gap)))
+        period = (length + gap) / count
+        for k in range(count):
+            low, high = k * period / max(length, 1e-9), min(1.0, (k * period + period - gap) / max(length, 1e-9))
+            a = (start[0] + low * (end[0] - start[0]), start[1] + low * (end[1] - start[1]))
+            b = (start[0] + high * (end[0] - start[0]), start[1] + high * (end[1] - start[1]))
+            self._draw.line(_double([a, b]), colour, _thick(width))
+
+    def disc(self, centre: tuple[float, float], radius: float, colour: Colour) -> None:
+        """Fill a disc."""
+        x, y = (SUPERSAMPLING * v for v in centre)
+        r = SUPERSAMPLING * radius
+        self._draw.ellipse((x - r, y - r, x + r, y + r), fill=colour)
+
+    def text(self, x: float, y: float, text: str, colour: Colour, size: int = 11) -> None:
+        """Set a text with its middle at (x, y) on the finished picture."""
+        self._texts.append((x, y, text, colour, size))
+
+    def engrave(self) -> None:
+        """Draw the texts set so far into the layer, to start other panels from it."""
+        for x, y, text, colour, size in self._texts:
+            _set(self._image, SUPERSAMPLING * x, SUPERSAMPLING * y, text, colour, SUPERSAMPLING * size)
+        self._texts.clear()
+
+    @property
+    def layer(self) -> Image.Image:
+        """Everything drawn so far at drawing size, to start other panels from."""
+        return self._image
+
+    def finish(self) -> Image.Image:
+        """Return the finished picture."""
+        image = self._image.reduce(SUPERSAMPLING)
+        for x, y, text, colour, size in self._texts:
+            _set(image, x, y, text, colour, size)
+        return image
+
+
+def _set(image: Image.Image, x: float, y: float, text: str, colour: Colour, size: int) -> None:
+    mask = text_mask(text, size)
+    image.paste(colour, (round(x - mask.width / 2), round(y - mask.height / 2)), mask)
+
+
+def _double(points: Pixels) -> Pixels:
+    return [(SUPERSAMPLING * x, SUPERSAMPLING * y) for x, y in points]
+
+
+def _thick(width: float) -> int:
+    return max(1, round(SUPERSAMPLING * width))
