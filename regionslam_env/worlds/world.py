@@ -17,6 +17,9 @@ from regionslam_env.errors import WorldError, unknown
 from slam.region import EDGE_NAMES
 from slam.rows import MAX_RECTANGLES, Floats, Row
 
+WALL_RADIUS = 0.05
+"""Half the thickness of a wall where a robot collides with it, m."""
+
 TRUE_REGION = np.dtype(
     (
         np.record,
