@@ -1,0 +1,163 @@
+"""Data association with unknown correspondence (Montemerlo & Thrun 2003), per particle.
+
+Every measurement is compared with every region nearby. Pairs below the gate are candidates: the most likely ones of the same
+type are associated, each region and each measurement once. A measurement that fits nothing is new; one that fits half is used
+for neither, so that it spoils no region and makes no duplicate. Candidates of any type are *relevant* in the sense of eq. (8).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from slam.edge_form import turn
+from slam.innovation import (
+    SLACK,
+    correspond,
+    innovate,
+    is_admissible,
+    log_likelihood,
+    n_closed,
+    workspace,
+)
+from slam.jit import njit
+
+ASSOCIATION = np.dtype(
+    (np.record, [("slot", np.int32), ("turn", np.int32), ("turn_map", np.int32), ("offset", np.int32)])
+)
+"""What a measurement is to a particle: a slot (or NEW, AMBIGUOUS), quarter turns of z and of m, offset of their rows."""
+
+NEW, AMBIGUOUS = -1, -2
+
+CANDIDATE = np.dtype(
+    (
+        np.record,
+        [
+            ("z", np.int32),
+            ("slot", np.int32),
+            ("turn", np.int32),
+            ("turn_map", np.int32),
+            ("offset", np.int32),
+            ("same_type", np.int32),
+            ("distance", np.float64),
+            ("log_likelihood", np.float64),
+        ],
+    )
+)
+"""A measurement and a region that could be the same place."""
+
+CANDIDATES_PER_MEASUREMENT = 12
+
+
+@njit
+def associate(particles, regions, measured, p, associations, candidates, n_candidates):
+    """Associate all measurements for every particle.
+
+    `measured` (M, 4) holds the equivalent descriptions, `associations` (P, M) and `candidates` (P, ...) are written.
+    """
+    work = workspace()
+    turned = np.zeros_like(measured[:1, 0])
+    near = np.zeros(regions.shape[1], np.int32)
+    for i in range(len(particles)):
+        n_near = find_near(particles[i], regions[i], measured, near)
+        n = 0
+        for z in range(len(measured)):
+            for j in range(n_near):
+                if n < candidates.shape[1]:
+                    m = regions[i, near[j]]
+                    found = compare(measured[z], m, particles[i], p, work, turned[0], candidates[i, n])
+                    if found:
+                        candidates[i, n].z, candidates[i, n].slot = z, near[j]
+                        n += 1
+        n_candidates[i] = n
+        assign(candidates[i, :n], associations[i], len(measured), regions.shape[1], p)
+
+
+@njit
+def find_near(particle, regions, measured, near):
+    """List the slots whose bounding circle the scan can touch; return their number."""
+    reach = 0.0
+    for z in range(len(measured)):
+        reach = max(reach, measured[z, 0].radius)
+    reach += 2.0 + 5.0 * np.sqrt(particle.cov[0, 0] + particle.cov[1, 1])
+    n = 0
+    for slot in range(particle.n_slots):
+        m = regions[slot]
+        if m.n > 0:
+            dx, dy = m.anchor[0] - particle.pose[0], m.anchor[1] - particle.pose[1]
+            limit = reach + m.radius
+            if dx * dx + dy * dy < limit * limit:
+                near[n] = slot
+                n += 1
+    return n
+
+
+@njit
+def compare(descriptions, m, particle, p, work, turned, out):
+    """Find the best equivalent and alignment of a measurement with a region; write it and say whether it is in the gate.
+
+    The likelihood of closed edges decides; midpoints never do, for a partial view moves them.
+    """
+    z0 = descriptions[0]
+    misfit = m.state[0] - z0.state[0] - particle.pose[2]
+    turn_map = 0
+    if z0.n == 1:
+        quarters = int(np.round(misfit / (np.pi / 2))) % 4
+    else:
+        quarters = 2 * (int(np.round(misfit / np.pi)) % 2)
+        if m.n == 1 and np.cos(2 * misfit) < 0.0:
+            # z runs along the other axis of a region that so far is a single rectangle: describe that one anew.
+            turn_map = 1
+    z = descriptions[quarters]
+    target = m
+    if turn_map:
+        turn(m, 1, turned)
+        target = turned
+        quarters = 2 * (int(np.round((turned.state[0] - z0.state[0] - particle.pose[2]) / np.pi)) % 2)
+        z = descriptions[quarters]
+    slack = SLACK + particle.cov[0, 0] + particle.cov[1, 1]
+    possible = n_closed(z)
+    best = -np.inf
+    for offset in range(1 - z.n, target.n):
+        if not is_admissible(z, target, offset):
+            continue
+        rows, violation = correspond(z, target, offset, particle.pose, slack, work, p.gate_new)
+        if rows < 0 or violation > p.gate_new:
+            continue
+        distance, log_det = innovate(z, target, rows, particle.cov, work)
+        if distance + violation > p.gate_new:
+            continue
+        score = log_likelihood(distance + violation, log_det, rows, possible, p.log_reference)
+        if score > best:
+            best = score
+            out.offset, out.distance, out.log_likelihood = offset, distance + violation, score
+    out.turn, out.turn_map, out.same_type = quarters, turn_map, z0.type == m.type
+    return best > -np.inf
+
+
+@njit
+def assign(candidates, associations, n_measurements, n_slots, p):
+    """Give each measurement the region that explains it best, each region once, the most likely pairs first."""
+    for z in range(n_measurements):
+        associations[z].slot = NEW
+    taken = np.zeros(n_slots, np.bool_)
+    open_pairs = np.zeros(len(candidates), np.bool_)
+    for c in range(len(candidates)):
+        open_pairs[c] = candidates[c].same_type and candidates[c].distance < p.gate_associate
+    while True:
+        best = -1
+        for c in range(len(candidates)):
+            if open_pairs[c] and (best < 0 or candidates[c].log_likelihood > candidates[best].log_likelihood):
+                best = c
+        if best < 0:
+            break
+        chosen = candidates[best]
+        a = associations[chosen.z]
+        a.slot, a.turn, a.turn_map, a.offset = chosen.slot, chosen.turn, chosen.turn_map, chosen.offset
+        taken[chosen.slot] = True
+        for c in range(len(candidates)):
+            if candidates[c].z == chosen.z or candidates[c].slot == chosen.slot:
+                open_pairs[c] = False
+    for c in range(len(candidates)):
+        doubt = candidates[c]
+        if doubt.same_type and associations[doubt.z].slot == NEW and not taken[doubt.slot]:
+            associations[doubt.z].slot = AMBIGUOUS

@@ -1,0 +1,110 @@
+"""Settings of the filter."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+
+from slam.measurement import MeasurementNoise
+from slam.motion import MotionNoise
+
+
+@dataclass(frozen=True)
+class SlamConfig:
+    """Settings of `RegionSLAM`.
+
+    Parameters
+    ----------
+    n_particles
+        Number of particles.
+    motion_noise, measurement_noise
+        What the filter believes of odometry, and of measurements that do not tell their own noise.
+    sensor_range
+        Range of the region sensor, m. Its inverse is the reference density of an edge that a hypothesis does not explain.
+    gate_associate, gate_new
+        Squared Mahalanobis distances: below the first a measurement may be associated, above the second it is a new region,
+        in between it is used for neither (Montemerlo & Thrun 2003). Wide, because particles are overconfident.
+    resample_below
+        Resample when the effective sample size falls below this share of the particles.
+    prior_type, prior_link, prior_child
+        Prior probabilities p(m), p(m -> n) and p(m < n) of Oberländer et al. 2008, eqs. (7), (16), (17).
+    link_unseen
+        Probability of a link that was not measured although both its regions were, eq. (14).
+    existence_seen, existence_missed, existence_floor, existence_ceiling
+        Log-odds a region gains when measured, loses when in view and not measured, is dropped below and cannot exceed.
+    confirmed_after
+        Number of sightings after which a region is no longer tentative.
+    """
+
+    n_particles: int = 4
+    motion_noise: MotionNoise = field(default_factory=MotionNoise)
+    measurement_noise: MeasurementNoise = field(default_factory=MeasurementNoise)
+    sensor_range: float = 8.0
+    gate_associate: float = 100.0
+    gate_new: float = 300.0
+    resample_below: float = 0.5
+    prior_type: float = 0.5
+    prior_link: float = 0.2
+    prior_child: float = 0.1
+    link_unseen: float = 0.1
+    existence_seen: float = 0.7
+    existence_missed: float = 0.4
+    existence_floor: float = -1.0
+    existence_ceiling: float = 6.0
+    confirmed_after: int = 3
+
+    def __post_init__(self) -> None:
+        if not (isinstance(self.n_particles, int) and self.n_particles >= 1):
+            raise ValueError(f"n_particles is {self.n_particles!r}, expected an integer of at least 1")
+        for name in ("resample_below", "prior_type", "prior_link", "prior_child", "link_unseen"):
+            value = getattr(self, name)
+            if not 0 < value <= 1 or (value == 1 and name != "resample_below"):
+                raise ValueError(f"{name} is {value!r}, expected a probability between 0 and 1")
+        if not 0 < self.gate_associate <= self.gate_new:
+            raise ValueError(
+                f"gate_associate is {self.gate_associate!r} and gate_new {self.gate_new!r}, expected 0 < associate <= new"
+            )
+        if not (np.isfinite(self.sensor_range) and self.sensor_range > 0):
+            raise ValueError(f"sensor_range is {self.sensor_range!r}, expected a length above 0 m")
+
+    def parameters(self) -> Parameters:
+        """Return the numbers that the kernels need."""
+
+        def logit(p: float) -> float:
+            return float(np.log(p / (1 - p)))
+
+        return Parameters(
+            self.sensor_range,
+            -float(np.log(self.sensor_range)),
+            self.gate_associate,
+            self.gate_new,
+            logit(self.prior_type),
+            logit(self.prior_link),
+            logit(self.prior_child),
+            logit(self.link_unseen),
+            self.existence_seen,
+            self.existence_missed,
+            self.existence_floor,
+            self.existence_ceiling,
+            self.confirmed_after,
+        )
+
+
+class Parameters(NamedTuple):
+    """The kernels' share of a `SlamConfig`; probabilities as log-odds."""
+
+    sensor_range: float
+    log_reference: float  # log density of an edge that is not explained, 1 / sensor range
+    gate_associate: float
+    gate_new: float
+    prior_type: float
+    prior_link: float
+    prior_child: float
+    link_unseen: float
+    existence_seen: float
+    existence_missed: float
+    existence_floor: float
+    existence_ceiling: float
+    confirmed_after: int

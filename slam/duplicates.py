@@ -1,0 +1,123 @@
+"""Regions that explain one place: twins of one type are merged, hypotheses of several types are ranked."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from slam.association import CANDIDATE, compare, find_near
+from slam.edge_form import turn
+from slam.extent import area, contains, point_in_rectangle
+from slam.geometric_update import fuse, take_row
+from slam.innovation import workspace
+from slam.jit import njit
+from slam.particles import PARTICLE
+from slam.region import MAX_STATE, REGION
+
+MARGIN = 0.3
+"""Centres within this distance (m) of the other region make two regions candidates for one place."""
+
+
+@njit
+def resolve_duplicates(particles, regions, measured, associations, p, scratch, candidate, stand):
+    """Compare every region just measured with its neighbours; merge twins, rank rivals, drop outdone hypotheses."""
+    work = workspace()
+    near = np.zeros(regions.shape[1], np.int32)
+    seen = np.zeros(regions.shape[1], np.bool_)
+    for i in range(len(particles)):
+        n_near = find_near(particles[i], regions[i], measured, near)
+        for z in range(len(measured)):
+            if associations[i, z].slot >= 0:
+                seen[associations[i, z].slot] = True
+        for z in range(len(measured)):
+            slot = associations[i, z].slot
+            if slot < 0 or regions[i, slot].n == 0:
+                continue
+            for j in range(n_near):
+                other = near[j]
+                a, b = regions[i, slot], regions[i, other]
+                if other == slot or b.n == 0 or not share_place(a, b):
+                    continue
+                if a.type != b.type:
+                    rank(regions[i], slot, other)
+                elif not seen[other]:
+                    # Two regions of one scan are two regions, so only an unseen one can be the twin.
+                    older, younger = (a, b) if a.id < b.id else (b, a)
+                    if merge(younger, older, p, work, scratch, candidate[0], stand[0]):
+                        younger.n = 0
+                if regions[i, slot].n == 0:
+                    break
+        for z in range(len(measured)):
+            if associations[i, z].slot >= 0:
+                seen[associations[i, z].slot] = False
+        for j in range(n_near):
+            m = regions[i, near[j]]
+            if m.n > 0 and m.rival >= 0:
+                rival = regions[i, m.rival]
+                if rival.n == 0 or not share_place(m, rival):
+                    m.rival = -1
+                elif m.type_log_odds < -3.0:
+                    m.n = 0
+
+
+@njit
+def share_place(a, b):
+    """Say whether the centre of either main rectangle lies in the other region."""
+    dx, dy = a.anchor[0] - b.anchor[0], a.anchor[1] - b.anchor[1]
+    reach = a.radius + b.radius
+    if dx * dx + dy * dy > reach * reach:
+        return False
+    x, y = point_in_rectangle(a, a.main, 0.5, 0.5)
+    if contains(b, x, y, MARGIN):
+        return True
+    x, y = point_in_rectangle(b, b.main, 0.5, 0.5)
+    return contains(a, x, y, MARGIN)
+
+
+@njit
+def rank(regions, i, j):
+    """Mark the less credible of two hypotheses for one place as outdone by the other; regions of unlike size are no rivals."""
+    a, b = regions[i], regions[j]
+    size_a, size_b = area(a), area(b)
+    if min(size_a, size_b) < 0.5 * max(size_a, size_b):
+        return
+    xa, ya = point_in_rectangle(a, a.main, 0.5, 0.5)
+    xb, yb = point_in_rectangle(b, b.main, 0.5, 0.5)
+    if not (contains(b, xa, ya, MARGIN) and contains(a, xb, yb, MARGIN)):
+        return
+    if a.type_log_odds > b.type_log_odds or (a.type_log_odds == b.type_log_odds and a.sightings >= b.sightings):
+        a.rival, b.rival = -1, i
+    else:
+        a.rival, b.rival = j, -1
+
+
+@njit
+def merge(younger, older, p, work, descriptions, candidate, stand):
+    """Fuse a region into an older one of its type where both can be one place; say whether they could.
+
+    Given the trajectory the two estimates are independent, so the younger one is taken as a measurement made from its anchor.
+    """
+    stand.pose[0], stand.pose[1], stand.pose[2] = younger.anchor[0], younger.anchor[1], 0.0
+    for quarters in range(4):
+        turn(younger, quarters, descriptions[quarters])
+        for k in range(1, MAX_STATE):
+            if descriptions[quarters].closed[k] == 0:
+                descriptions[quarters].cov[k, k] = 0.0
+    if not compare(descriptions, older, stand, p, work, descriptions[4], candidate):
+        return False
+    if candidate.distance > p.gate_associate:
+        return False
+    if candidate.turn_map:
+        turn(older, 1, descriptions[4])
+        take_row(descriptions[4], older)
+    fuse(descriptions[candidate.turn], older, candidate.offset, stand.pose, work)
+    older.sightings += younger.sightings
+    older.last_seen = max(older.last_seen, younger.last_seen)
+    older.existence = max(older.existence, younger.existence)
+    older.type_log_odds = max(older.type_log_odds, younger.type_log_odds)
+    older.visited = max(older.visited, younger.visited)
+    return True
+
+
+def duplicate_scratch() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the scratch records that `resolve_duplicates` needs: descriptions, a candidate, a standpoint."""
+    return np.zeros(5, REGION), np.zeros(1, CANDIDATE), np.zeros(1, PARTICLE)

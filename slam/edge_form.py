@@ -1,0 +1,174 @@
+"""Conversion between the paper's parameters (Fig. 1) and edge positions, and the equivalent descriptions of a row.
+
+With c, s = cos phi, sin phi of a measurement in the robot's frame, its edges are lines at signed distances from the robot::
+
+    u = x c + y s -+ w / 2        v = -x s + y c -+ h / 2
+
+Rotating about the robot moves u by the v coordinate of the midpoint and v by minus its u coordinate: these levers make
+phi and the edges correlated, and the joint covariance G Q G^T keeps it.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from slam.jit import njit
+from slam.region import MAX_STATE, REGION, b_index, u_index
+
+FLAT_VARIANCE = 1e4
+"""Variance (m²) of an edge about which nothing is known but a bound."""
+
+
+@njit
+def state_size(n):
+    """Return the length of the state vector of n rectangles."""
+    return 2 + 3 * n
+
+
+@njit
+def to_edge_form(z, out):
+    """Write a `MEASUREMENT` into a `REGION` in edge form, anchored at the robot."""
+    c, s = np.cos(z.phi), np.sin(z.phi)
+    mid_u, mid_v = z.x * c + z.y * s, -z.x * s + z.y * c
+    n, main = z.n, z.main
+    size = state_size(n)
+    out.n, out.main, out.type, out.confidence = n, main, z.type, z.confidence
+    out.anchor[0] = out.anchor[1] = 0.0
+    mean, closed = out.state, out.closed
+    jacobian = np.zeros((MAX_STATE, MAX_STATE))  # columns: x, y, w, h, phi, then w, h, y of each subrectangle
+    mean[0], closed[0], jacobian[0, 4] = z.phi, 1, 1.0
+    for side in range(2):
+        k = u_index(main + side)
+        sign = side - 0.5
+        mean[k] = mid_u + sign * z.w
+        jacobian[k, 0], jacobian[k, 1], jacobian[k, 2], jacobian[k, 4] = c, s, sign, mid_v
+        closed[k] = z.edges[2 + side] != 0
+        k = b_index(main) + side
+        mean[k] = mid_v + sign * z.h
+        jacobian[k, 0], jacobian[k, 1], jacobian[k, 3], jacobian[k, 4] = -s, c, sign, -mid_u
+        closed[k] = z.edges[1 - side] != 0
+    column = 5
+    for side in range(2):
+        sub = main - 1 if side == 0 else main + 1
+        if sub < 0 or sub >= n:
+            continue
+        inner = u_index(main + side)
+        k = u_index(sub + side)
+        outward = 2.0 * side - 1.0
+        mean[k] = mean[inner] + outward * z.sub_w[side]
+        jacobian[k, :5] = jacobian[inner, :5]
+        jacobian[k, column] = outward
+        closed[k] = z.edges[6 + 3 * side] != 0
+        for top in range(2):
+            sign = top - 0.5
+            k = b_index(sub) + top
+            mean[k] = mid_v + z.sub_y[side] + sign * z.sub_h[side]
+            jacobian[k, 0], jacobian[k, 1], jacobian[k, 4] = -s, c, -mid_u
+            jacobian[k, column + 1], jacobian[k, column + 2] = sign, 1.0
+            closed[k] = z.edges[5 + 3 * side - top] != 0
+        column += 3
+    _covariance(z, jacobian, size, out.cov)
+    out.radius = bounding_radius(out)
+
+
+@njit
+def _covariance(z, jacobian, size, cov):
+    """Write G Q G^T, with Q the block-diagonal covariance of the paper's parameters."""
+    q = np.zeros((MAX_STATE, MAX_STATE))
+    q[0, 0], q[0, 1], q[1, 0], q[1, 1] = z.cov_xy[0, 0], z.cov_xy[0, 1], z.cov_xy[1, 0], z.cov_xy[1, 1]
+    q[2, 2], q[2, 3], q[3, 2], q[3, 3] = z.cov_wh[0, 0], z.cov_wh[0, 1], z.cov_wh[1, 0], z.cov_wh[1, 1]
+    q[4, 4] = z.var_phi
+    column = 5
+    for side in range(2):
+        if (side == 0 and z.main == 0) or (side == 1 and z.main + 1 >= z.n):
+            continue
+        for i in range(2):
+            for j in range(2):
+                q[column + i, column + j] = z.sub_cov_wh[side, i, j]
+        q[column + 2, column + 2] = z.sub_var_y[side]
+        column += 3
+    product = np.zeros((MAX_STATE, MAX_STATE))
+    for i in range(size):
+        for k in range(size):
+            if jacobian[i, k] != 0.0:
+                for j in range(size):
+                    product[i, j] += jacobian[i, k] * q[k, j]
+    for i in range(size):
+        for j in range(size):
+            total = 0.0
+            for k in range(size):
+                total += product[i, k] * jacobian[j, k]
+            cov[i, j] = total
+
+
+@njit
+def bounding_radius(region):
+    """Return the radius (m) of a circle about the anchor that holds the whole row."""
+    along = max(abs(region.state[u_index(0)]), abs(region.state[u_index(region.n)]))
+    across = 0.0
+    for i in range(region.n):
+        k = b_index(i)
+        across = max(across, abs(region.state[k]), abs(region.state[k + 1]))
+    return np.sqrt(along * along + across * across)
+
+
+@njit
+def turn(region, quarters, out):
+    """Write the equivalent description that is turned by `quarters` times 90 degrees.
+
+    A half turn reverses the row. A quarter turn exists for a single rectangle only; a longer row gives ``out.n = 0``.
+    The first axis turns with phi: after a quarter turn the new u edges are the old v edges, the new v edges minus the old u.
+    """
+    n = region.n
+    quarters = quarters % 4
+    out.n = n
+    if quarters % 2 == 1 and n > 1:
+        out.n = 0
+        return
+    source = np.zeros(MAX_STATE, np.int64)
+    sign = np.ones(MAX_STATE)
+    size = state_size(n)
+    for i in range(size):
+        source[i] = i
+    if quarters == 2:
+        for k in range(n + 1):
+            source[u_index(k)] = u_index(n - k)
+            sign[u_index(k)] = -1.0
+        for i in range(n):
+            source[b_index(i)], source[b_index(i) + 1] = b_index(n - 1 - i) + 1, b_index(n - 1 - i)
+            sign[b_index(i)] = sign[b_index(i) + 1] = -1.0
+    elif quarters == 1:
+        source[1], source[2], source[3], source[4] = 3, 4, 2, 1
+        sign[3] = sign[4] = -1.0
+    elif quarters == 3:
+        source[1], source[2], source[3], source[4] = 4, 3, 1, 2
+        sign[1] = sign[2] = -1.0
+    out.id, out.type, out.confidence, out.radius = region.id, region.type, region.confidence, region.radius
+    out.main = n - 1 - region.main if quarters == 2 else region.main
+    out.anchor[0], out.anchor[1] = region.anchor[0], region.anchor[1]
+    for i in range(size):
+        out.state[i] = sign[i] * region.state[source[i]]
+        out.closed[i] = region.closed[source[i]]
+        for j in range(size):
+            out.cov[i, j] = sign[i] * sign[j] * region.cov[source[i], source[j]]
+    out.state[0] = region.state[0] + quarters * np.pi / 2
+
+
+@njit
+def observe(records, type_numbers, out):
+    """Write every measurement in its four equivalent descriptions, `out` (M, 4) of `REGION`: quarter turns in order.
+
+    `type_numbers` translates the scan's types into the filter's.
+    """
+    for i in range(len(records)):
+        to_edge_form(records[i], out[i, 0])
+        out[i, 0].type = type_numbers[records[i].type]
+        for quarters in range(1, 4):
+            turn(out[i, 0], quarters, out[i, quarters])
+
+
+def edge_form(record: np.record) -> np.record:
+    """Return a `MEASUREMENT` in edge form, a `REGION` anchored at the robot."""
+    out = np.zeros(1, REGION)
+    to_edge_form(record, out[0])
+    return out[0]

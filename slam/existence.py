@@ -1,0 +1,71 @@
+"""Existence of regions: evidence for those measured, and against those in view that were not."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from slam.association import find_near
+from slam.extent import contains, point_in_rectangle
+from slam.jit import njit
+from slam.view import is_in_view
+
+LEAST_SHARE = 0.6
+"""A region counts as in view when this share of its sample points is."""
+
+LEAST_ANGLE = 0.2
+"""Regions that fill a smaller angle (rad) may well be missed."""
+
+VIEW_MARGIN = 0.3
+"""Points nearer to the end of the view (m) do not count as seen."""
+
+
+@njit
+def update_existence(particles, regions, measured, associations, candidates, n_candidates, view, p):
+    """Update the existence of every region nearby, drop those that ceased to be credible, and note those visited.
+
+    A region that fits some measurement of any type is explained; only a place seen empty counts against it.
+    """
+    near = np.zeros(regions.shape[1], np.int32)
+    for i in range(len(particles)):
+        particle = particles[i]
+        explained = np.zeros(regions.shape[1], np.bool_)
+        for c in range(n_candidates[i]):
+            explained[candidates[i, c].slot] = True
+        for z in range(len(measured)):
+            slot = associations[i, z].slot
+            if slot >= 0:
+                explained[slot] = True
+                m = regions[i, slot]
+                m.existence = min(m.existence + p.existence_seen, p.existence_ceiling)
+        for j in range(find_near(particle, regions[i], measured, near)):
+            m = regions[i, near[j]]
+            if not m.visited and contains(m, particle.pose[0], particle.pose[1], 0.1):
+                m.visited = 1
+            if not explained[near[j]] and len(view) > 0 and is_expected(m, particle.pose, view, p.sensor_range):
+                m.existence -= p.existence_missed
+            if m.existence < p.existence_floor:
+                m.n = 0
+
+
+@njit
+def is_expected(m, pose, view, sensor_range):
+    """Say whether a sensor at `pose` with this view should have measured the region."""
+    c, s = np.cos(pose[2]), np.sin(pose[2])
+    seen, total = 0, 0
+    least, most = np.pi, -np.pi
+    for i in range(m.n):
+        for k in range(5):
+            along = 0.5 if k == 0 else 0.2 + 0.6 * (k % 2)
+            across = 0.5 if k == 0 else 0.2 + 0.6 * (k // 3)
+            x, y = point_in_rectangle(m, i, along, across)
+            dx, dy = x - pose[0], y - pose[1]
+            if dx * dx + dy * dy > (0.8 * sensor_range) ** 2:
+                return False
+            x, y = c * dx + s * dy, -s * dx + c * dy
+            total += 1
+            if is_in_view(view, x, y, VIEW_MARGIN):
+                seen += 1
+            angle = np.arctan2(y, x)
+            least, most = min(least, angle), max(most, angle)
+    # Points on both sides of the cut behind the robot span nearly a full turn: near enough to count as wide.
+    return seen >= LEAST_SHARE * total and most - least > LEAST_ANGLE

@@ -1,0 +1,83 @@
+"""Where a region in edge form lies: containment, area, centre."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from slam.jit import njit
+from slam.region import b_index, u_index
+
+
+@njit
+def to_row(region, x, y):
+    """Return a point of the map frame in the row's frame."""
+    c, s = np.cos(region.state[0]), np.sin(region.state[0])
+    dx, dy = x - region.anchor[0], y - region.anchor[1]
+    return c * dx + s * dy, -s * dx + c * dy
+
+
+@njit
+def contains(region, x, y, margin):
+    """Say whether a point of the map frame lies in the row grown by `margin` m."""
+    u, v = to_row(region, x, y)
+    for i in range(region.n):
+        k = b_index(i)
+        if (
+            region.state[u_index(i)] - margin <= u <= region.state[u_index(i + 1)] + margin
+            and region.state[k] - margin <= v <= region.state[k + 1] + margin
+        ):
+            return True
+    return False
+
+
+@njit
+def area(region):
+    """Return the area, m²."""
+    total = 0.0
+    for i in range(region.n):
+        k = b_index(i)
+        total += (region.state[u_index(i + 1)] - region.state[u_index(i)]) * (region.state[k + 1] - region.state[k])
+    return total
+
+
+@njit
+def point_in_rectangle(region, i, along, across):
+    """Return the point of the map frame at shares (along, across) in [0, 1] of rectangle i."""
+    k = b_index(i)
+    u = region.state[u_index(i)] * (1 - along) + region.state[u_index(i + 1)] * along
+    v = region.state[k] * (1 - across) + region.state[k + 1] * across
+    c, s = np.cos(region.state[0]), np.sin(region.state[0])
+    return region.anchor[0] + c * u - s * v, region.anchor[1] + s * u + c * v
+
+
+@njit
+def probability_inside(region, pose, cov):
+    """Return P(robot in region) for a Gaussian pose with mean (3,) and covariance (3, 3), edges taken at their means.
+
+    Along each axis of the row the position is normal; the axes are taken as independent.
+    """
+    u, v = to_row(region, pose[0], pose[1])
+    c, s = np.cos(region.state[0]), np.sin(region.state[0])
+    var_u = c * c * cov[0, 0] + 2 * c * s * cov[0, 1] + s * s * cov[1, 1]
+    var_v = s * s * cov[0, 0] - 2 * c * s * cov[0, 1] + c * c * cov[1, 1]
+    scale_u, scale_v = math.sqrt(2 * var_u + 1e-12), math.sqrt(2 * var_v + 1e-12)
+    total = 0.0
+    for i in range(region.n):
+        k = b_index(i)
+        along = math.erf((region.state[u_index(i + 1)] - u) / scale_u) - math.erf(
+            (region.state[u_index(i)] - u) / scale_u
+        )
+        across = math.erf((region.state[k + 1] - v) / scale_v) - math.erf((region.state[k] - v) / scale_v)
+        total += along * across / 4
+    return min(total, 1.0)
+
+
+@njit
+def probabilities_inside(regions, pose, cov, confirmed_after, out):
+    """Write P(robot in region) for every slot, shape (S,); zero for free, tentative and outdone ones."""
+    for i in range(len(regions)):
+        m = regions[i]
+        counts = m.n > 0 and m.rival < 0 and m.sightings >= confirmed_after
+        out[i] = probability_inside(m, pose, cov) if counts else 0.0

@@ -1,0 +1,157 @@
+"""Region-based FastSLAM 2.0 (Oberländer et al. 2008, section III; Montemerlo et al. 2003)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from slam.association import ASSOCIATION, CANDIDATE, CANDIDATES_PER_MEASUREMENT, associate
+from slam.belief import Belief, moments
+from slam.config import SlamConfig
+from slam.duplicates import duplicate_scratch, resolve_duplicates
+from slam.edge_form import observe
+from slam.existence import update_existence
+from slam.geometric_update import update_geometry
+from slam.measurement import Scan
+from slam.motion import Odometry
+from slam.particles import ParticleSet
+from slam.proposal import draw, place, predict, propose
+from slam.region import REGION
+from slam.resampling import systematic
+from slam.semantic_update import update_semantics
+from slam.topology_update import measured_relations, update_topology
+from slam.weights import normalise, weights
+
+NO_VIEW = np.zeros((0, 2))
+
+
+class RegionSLAM:
+    """Simultaneous localization and mapping of regions with unknown correspondence.
+
+    Parameters
+    ----------
+    config
+        Settings; the defaults are those of the paper's experiment.
+    seed
+        Anything `numpy.random.default_rng` takes. The same seed and the same inputs give the same beliefs.
+
+    Examples
+    --------
+    >>> from slam import Odometry, RegionMeasurement, RegionSLAM, Scan
+    >>> slam = RegionSLAM(seed=0)
+    >>> scan = Scan([RegionMeasurement("office", x=1.0, y=0.5, w=4.0, h=3.0)])
+    >>> belief = slam.step(Odometry(distance=0.1, rotation=0.02), scan)
+    >>> belief.pose_mean.shape
+    (3,)
+    """
+
+    def __init__(self, config: SlamConfig | None = None, seed: int | np.random.Generator | None = None) -> None:
+        self.config = config or SlamConfig()
+        self._parameters = self.config.parameters()
+        self._rng = np.random.default_rng(seed)
+        self._scratch = duplicate_scratch()
+        self.reset()
+
+    def reset(self, pose: ArrayLike = (0.0, 0.0, 0.0)) -> Belief:
+        """Forget the map and start at a pose (x, y, theta) that is certain; return the belief."""
+        start = np.asarray(pose, dtype=np.float64)
+        if start.shape != (3,) or not np.all(np.isfinite(start)):
+            raise ValueError(f"pose is {pose!r}, expected three finite numbers (x, y, theta)")
+        self._set = ParticleSet.at(start, self.config.n_particles)
+        self._types: list[str] = []
+        self._type_index: dict[str, int] = {}
+        self._known_types: dict[tuple[str, ...], NDArray[np.int32]] = {}
+        self._scan_number = 0
+        self._ess = float(self.config.n_particles)
+        return self.belief
+
+    def step(self, odometry: Odometry, scan: Scan, pose: ArrayLike | None = None) -> Belief:
+        """Predict with the odometry, update with the scan, and return the belief.
+
+        With `pose` (x, y, theta) the filter takes that pose as certain and only maps.
+        """
+        self.predict(odometry)
+        if pose is not None:
+            place(self._set.particles, np.asarray(pose, dtype=np.float64))
+        return self.update(scan)
+
+    def predict(self, odometry: Odometry) -> None:
+        """Move by odometry: p(x_t | x_{t-1}, u_t) of every particle, kept as a Gaussian until the next scan."""
+        motion = (odometry.distance, odometry.lateral, odometry.rotation)
+        if not np.isfinite(sum(motion)):
+            raise ValueError(f"odometry is {odometry!r}, expected finite numbers")
+        noise = self.config.motion_noise
+        predict(self._set.particles, *motion, noise.distance, noise.heading_per_metre, noise.heading_per_radian)
+
+    def update(self, scan: Scan) -> Belief:
+        """Update poses and maps with a scan and return the belief."""
+        self._scan_number += 1
+        measured = self._observe(scan)
+        n, p = len(measured), self._parameters
+        self._set.make_room(regions=n, links=n * n)
+        particles, regions, links = self._set.particles, self._set.regions, self._set.links
+        associations = np.empty((len(particles), n), ASSOCIATION)
+        candidates = np.empty((len(particles), n * CANDIDATES_PER_MEASUREMENT), CANDIDATE)
+        n_candidates = np.zeros(len(particles), np.int64)
+        relations = np.empty((n, n, 2))
+        view = NO_VIEW if scan.view is None else scan.view
+
+        associate(particles, regions, measured, p, associations, candidates, n_candidates)
+        propose(particles, regions, measured, associations, p)
+        draw(particles, self._rng.standard_normal((len(particles), 3)))
+        update_semantics(particles, regions, measured, candidates, n_candidates, p)
+        update_geometry(particles, regions, measured, associations, self._scan_number, p)
+        measured_relations(measured, scan.links, relations)
+        update_topology(particles, regions, links, associations, relations, p)
+        update_existence(particles, regions, measured, associations, candidates, n_candidates, view, p)
+        resolve_duplicates(particles, regions, measured, associations, p, *self._scratch)
+        self._ess = normalise(particles)
+        belief = self.belief
+        self._resample()
+        return belief
+
+    @property
+    def belief(self) -> Belief:
+        """The present belief."""
+        particles, regions, links = self._set.particles, self._set.regions, self._set.links
+        mean, cov = np.empty(3), np.empty((3, 3))
+        best = moments(particles, mean, cov)
+        used = particles[best].n_slots
+        return Belief(
+            mean,
+            cov,
+            self._ess,
+            particles[best].pose.copy(),
+            regions[best, :used],
+            links[best],
+            self._types,
+            particles,
+            regions,
+            self.config.confirmed_after,
+        )
+
+    def _observe(self, scan: Scan) -> NDArray[np.void]:
+        """Return the scan in edge form, shape (M, 4), all equivalent descriptions, with the filter's own type numbers."""
+        measured = np.zeros((len(scan), 4), REGION)
+        observe(scan.records, self._type_numbers(scan.types), measured)
+        return measured
+
+    def _type_numbers(self, types: Sequence[str]) -> NDArray[np.int32]:
+        """Return the filter's numbers of a scan's types; an unknown type is a new type."""
+        key = tuple(types)
+        if key not in self._known_types:
+            for name in key:
+                if name not in self._type_index:
+                    self._type_index[name] = len(self._types)
+                    self._types.append(name)
+            self._known_types[key] = np.array([self._type_index[name] for name in key], np.int32)
+        return self._known_types[key]
+
+    def _resample(self) -> None:
+        """Draw ancestors when the effective sample size is low."""
+        particles = self._set.particles
+        if self._ess < self.config.resample_below * len(particles):
+            self._set.gather(systematic(weights(particles["log_weight"]), self._rng.random()))
+            particles["log_weight"] = -np.log(len(particles))

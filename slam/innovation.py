@@ -1,0 +1,222 @@
+"""The innovation between a measured and a mapped region (Oberländer et al. 2008, eqs. 19–23), edge by edge.
+
+Both are rows of lines. From pose (x, y, theta) a mapped edge at e along normal n, anchored at a, is expected at::
+
+    rho = n . (a - p) + e        d rho / d p = -n     d rho / d theta = 0     d rho / d phi = lever
+
+and the heading at phi - theta. The differences rho_z - rho are the d_x, d_y that the paper averages; kept apart, each with
+its own variance, they use the correlations between edges, and (23) is the special case of equal weights. An edge that is
+open in either region gives no row, for a zero would claim perfect agreement.
+
+A row of the correspondence holds: index in z, index in m, residual, lever (d rho / d phi of m), and -d r / d (x, y).
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from slam.edge_form import state_size
+from slam.jit import njit
+from slam.region import MAX_STATE, b_index, u_index
+
+SLACK = 0.1**2
+"""Variance (m²) granted to a bound: views end at rays, annotated regions at walls."""
+
+
+class Workspace(NamedTuple):
+    """Scratch arrays of one comparison."""
+
+    iz: np.ndarray  # (rows,) index in z
+    im: np.ndarray  # (rows,) index in m
+    residual: np.ndarray  # (rows,) becomes L^-1 r
+    lever: np.ndarray  # (rows,) d rho / d phi
+    normal: np.ndarray  # (rows, 3) d rho / d pose
+    cov: np.ndarray  # (rows, rows) innovation covariance, becomes its Cholesky factor
+    gain: np.ndarray  # (rows, states) H C, becomes L^-1 H C
+
+
+@njit
+def workspace():
+    """Return fresh scratch arrays."""
+    n = MAX_STATE
+    return Workspace(
+        np.zeros(n, np.int64),
+        np.zeros(n, np.int64),
+        np.zeros(n),
+        np.zeros(n),
+        np.zeros((n, 3)),
+        np.zeros((n, n)),
+        np.zeros((n, n)),
+    )
+
+
+@njit
+def wrap(angle):
+    """Return the angle in [-pi, pi)."""
+    return (angle + np.pi) % (2 * np.pi) - np.pi
+
+
+@njit
+def is_admissible(z, m, offset):
+    """Say whether rectangle j of z can be rectangle j + offset of m (section II-C).
+
+    No closed end of one may meet a further rectangle of the other, and the union has at most three rectangles.
+    """
+    nz, nm = z.n, m.n
+    if max(nz + offset, nm) - min(offset, 0) > 3:
+        return False
+    z_left, z_right = z.closed[u_index(0)], z.closed[u_index(nz)]
+    m_left, m_right = m.closed[u_index(0)], m.closed[u_index(nm)]
+    if (offset > 0 and z_left) or (offset < 0 and m_left):
+        return False
+    return not ((nz + offset < nm and z_right) or (nz + offset > nm and m_right))
+
+
+@njit
+def correspond(z, m, offset, pose, slack, work, early_exit):
+    """Fill the rows of all edges that are closed in both; return their number and the squared violation of bounds.
+
+    `slack` is a variance (m²) granted to every edge on top of its own. `early_exit`: give up (-1 rows) once a single row
+    alone exceeds this squared Mahalanobis distance.
+    """
+    phi = m.state[0]
+    c, s = np.cos(phi), np.sin(phi)
+    dx, dy = m.anchor[0] - pose[0], m.anchor[1] - pose[1]
+    pu, pv = c * dx + s * dy, -s * dx + c * dy
+    work.iz[0] = work.im[0] = 0
+    work.residual[0] = wrap(z.state[0] + pose[2] - phi)
+    work.lever[0] = 0.0
+    work.normal[0, 0], work.normal[0, 1], work.normal[0, 2] = 0.0, 0.0, -1.0
+    rows, violation = 1, 0.0
+    first, last = max(0, offset), min(m.n, z.n + offset)
+    for k in range(first, last + 1):
+        i, j = u_index(k - offset), u_index(k)
+        r = z.state[i] - (pu + m.state[j])
+        if z.closed[i] and m.closed[j]:
+            if r * r > early_exit * (z.cov[i, i] + m.cov[j, j] + pv * pv * m.cov[0, 0] + slack):
+                return -1, 0.0
+            work.iz[rows], work.im[rows], work.residual[rows], work.lever[rows] = i, j, r, pv
+            work.normal[rows, 0], work.normal[rows, 1], work.normal[rows, 2] = -c, -s, 0.0
+            rows += 1
+        else:
+            # Only an outermost boundary can be open; which way is out follows from the row that has it open.
+            outward = _outward(z, m, k, offset)
+            violation += _beyond(z, m, i, j, r, outward, slack)
+    for k in range(first, last):
+        for top in range(2):
+            i, j = b_index(k - offset) + top, b_index(k) + top
+            r = z.state[i] - (pv + m.state[j])
+            if z.closed[i] and m.closed[j]:
+                if r * r > early_exit * (z.cov[i, i] + m.cov[j, j] + pu * pu * m.cov[0, 0] + slack):
+                    return -1, 0.0
+                work.iz[rows], work.im[rows], work.residual[rows], work.lever[rows] = i, j, r, -pu
+                work.normal[rows, 0], work.normal[rows, 1], work.normal[rows, 2] = s, -c, 0.0
+                rows += 1
+            else:
+                violation += _beyond(z, m, i, j, r, 2 * top - 1, slack)
+        # The two rectangles must overlap, or they are two regions in one line.
+        i, j = u_index(k - offset), u_index(k)
+        i1, j1 = u_index(k - offset + 1), u_index(k + 1)
+        gap = max(z.state[i] - (pu + m.state[j1]), (pu + m.state[j]) - z.state[i1])
+        i, j = b_index(k - offset), b_index(k)
+        gap = max(gap, z.state[i] - (pv + m.state[j + 1]), (pv + m.state[j]) - z.state[i + 1])
+        if gap > 0.0:
+            violation += gap * gap / (2 * slack)
+    return rows, violation
+
+
+@njit
+def _outward(z, m, k, offset):
+    """Return the outward direction (-1 or 1) of a boundary that is open in z or m."""
+    open_in_z = z.closed[u_index(k - offset)] == 0
+    if open_in_z:
+        return -1 if k - offset == 0 else 1
+    return -1 if k == 0 else 1
+
+
+@njit
+def _beyond(z, m, i, j, r, outward, slack):
+    """Return the squared, normalised distance by which an open edge reaches beyond the other's closed one."""
+    if z.closed[i] == m.closed[j]:
+        return 0.0
+    excess = outward * r if z.closed[i] == 0 else -outward * r
+    if excess <= 0.0:
+        return 0.0
+    known = m.cov[j, j] if m.closed[j] else z.cov[i, i]
+    bound = z.cov[i, i] if m.closed[j] else 0.0
+    return excess * excess / (known + bound + slack)
+
+
+@njit
+def innovate(z, m, rows, pose_cov, work):
+    """Turn the rows into a whitened innovation: S = L L^T, y = L^-1 r; return (y . y, log det S).
+
+    S = H_x P H_x^T + H_m C H_m^T + R with the joint covariances of pose, mapped region and measurement.
+    """
+    for i in range(rows):
+        gi, mi = work.lever[i], work.im[i]
+        for j in range(i + 1):
+            gj, mj = work.lever[j], work.im[j]
+            value = z.cov[work.iz[i], work.iz[j]]
+            value += m.cov[mi, mj] + gi * m.cov[0, mj] + gj * m.cov[mi, 0] + gi * gj * m.cov[0, 0]
+            for a in range(3):
+                ha = work.normal[i, a]
+                if ha != 0.0:
+                    for b in range(3):
+                        value += ha * pose_cov[a, b] * work.normal[j, b]
+            work.cov[i, j] = value
+    distance, determinant = 0.0, 1.0
+    for i in range(rows):
+        for j in range(i + 1):
+            total = work.cov[i, j]
+            for k in range(j):
+                total -= work.cov[i, k] * work.cov[j, k]
+            if i == j:
+                work.cov[i, i] = np.sqrt(max(total, 1e-12))
+            else:
+                work.cov[i, j] = total / work.cov[j, j]
+        determinant *= work.cov[i, i]
+        total = work.residual[i]
+        for k in range(i):
+            total -= work.cov[i, k] * work.residual[k]
+        work.residual[i] = total / work.cov[i, i]
+        distance += work.residual[i] ** 2
+    return distance, 2 * np.log(determinant)
+
+
+@njit
+def condition(mean, cov, size, rows, work):
+    """Kalman update of a Gaussian in place, `work.gain[:rows, :size]` holding H C: eqs. (3)–(6) by Cholesky factors."""
+    gain = work.gain
+    for i in range(rows):
+        for a in range(size):
+            total = gain[i, a]
+            for k in range(i):
+                total -= work.cov[i, k] * gain[k, a]
+            gain[i, a] = total / work.cov[i, i]
+    for a in range(size):
+        for i in range(rows):
+            mean[a] += gain[i, a] * work.residual[i]
+        for b in range(a + 1):
+            total = 0.0
+            for i in range(rows):
+                total += gain[i, a] * gain[i, b]
+            cov[a, b] -= total
+            cov[b, a] = cov[a, b]
+
+
+@njit
+def n_closed(region):
+    """Return the number of rows a region's measurement could give at most: its heading and closed edges."""
+    total = 0
+    for i in range(state_size(region.n)):
+        total += region.closed[i]
+    return total
+
+
+@njit
+def log_likelihood(distance, log_det, rows, possible, log_reference):
+    """Return log N(r; 0, S), with the reference density for each row that the hypothesis leaves unexplained."""
+    return -0.5 * (distance + log_det + rows * np.log(2 * np.pi)) + (possible - rows) * log_reference

@@ -1,0 +1,55 @@
+"""The one compiling decorator of the project.
+
+Numba notices a change of the decorated file only: a kernel that inlined a helper from *another* file keeps running its
+stale machine code. The cache of every kernel therefore lives in a folder named after the sources of all kernels.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import sys
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numba
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+
+def njit(function: F) -> F:
+    """Compile `function` with Numba in nopython mode, cached on disk under a key of all kernel sources.
+
+    Random numbers never come from inside a kernel (Numba's generator is not seeded by NumPy): hand them in.
+    """
+    package = function.__module__.partition(".")[0]
+    before = numba.config.CACHE_DIR
+    numba.config.CACHE_DIR = str(cache_folder(package))
+    try:
+        return numba.njit(cache=True, error_model="numpy")(function)
+    finally:
+        numba.config.CACHE_DIR = before
+
+
+@cache
+def cache_folder(package: str) -> Path:
+    """Return the cache folder for the kernels of a top-level package; its name digests `slam`'s kernels and its own."""
+    digest = hashlib.sha256(numba.__version__.encode())
+    roots = {Path(__file__).parent, _root(package)}
+    for root in sorted(roots):
+        for source in sorted(root.rglob("*.py")):
+            text = source.read_bytes()
+            if b"njit" in text:
+                digest.update(source.relative_to(root).as_posix().encode())
+                digest.update(text)
+    home = os.environ.get("NUMBA_CACHE_DIR") or Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache"))
+    return Path(home) / "regionslam" / digest.hexdigest()[:16]
+
+
+def _root(package: str) -> Path:
+    """Return the folder of a top-level package (a test or a user's own script counts as `slam`)."""
+    module = sys.modules.get(package)
+    file = getattr(module, "__file__", None)
+    return Path(file).parent if file and Path(file).name == "__init__.py" else Path(__file__).parent

@@ -1,0 +1,236 @@
+"""Measurements of regions, the noise they are told with, and the scan that holds them.
+
+A measurement is a region in the robot's frame, mostly partial: edges where the view ends are open.
+`RegionMeasurement` is for people, `MEASUREMENT` (the same fields as a record) for sensors and kernels.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from slam.region import EdgeState, Subrectangle
+from slam.rows import Floats
+
+MEASUREMENT = np.dtype(
+    (
+        np.record,
+        [
+            ("type", np.int32),  # index into the scan's types
+            ("n", np.int32),  # rectangles
+            ("main", np.int32),  # index of the main rectangle: 1 where there is a left subrectangle
+            ("edges", np.int8, (10,)),  # states in the order of EDGE_NAMES
+            ("confidence", np.float64),  # p(z)
+            ("x", np.float64),
+            ("y", np.float64),
+            ("w", np.float64),
+            ("h", np.float64),
+            ("phi", np.float64),
+            ("sub_w", np.float64, (2,)),  # left, right
+            ("sub_h", np.float64, (2,)),
+            ("sub_y", np.float64, (2,)),
+            ("cov_xy", np.float64, (2, 2)),
+            ("cov_wh", np.float64, (2, 2)),
+            ("var_phi", np.float64),
+            ("sub_cov_wh", np.float64, (2, 2, 2)),
+            ("sub_var_y", np.float64, (2,)),
+        ],
+    )
+)
+"""One measured region in the paper's parameters (Fig. 1), robot frame."""
+
+LINK = np.dtype((np.record, [("source", np.int32), ("target", np.int32), ("confidence", np.float64)]))
+"""A measured topological link between two measurements of one scan: p(z_m -> z_n)."""
+
+
+@dataclass(frozen=True)
+class MeasurementNoise:
+    """Standard deviations of a region sensor; sizes below 1 m are measured in proportion.
+
+    Parameters
+    ----------
+    sigma_xy
+        Of midpoints and lateral displacements, m.
+    sigma_wh
+        Of sizes of 1 m and above, m.
+    sigma_phi
+        Of the heading, rad.
+    """
+
+    sigma_xy: float = 0.10
+    sigma_wh: float = 0.15
+    sigma_phi: float = 0.03
+
+    def variance_of_size(self, size: float) -> float:
+        """Return the variance (m²) with which a width or height of `size` m is measured."""
+        return (self.sigma_wh * min(1.0, size)) ** 2
+
+
+@dataclass(frozen=True, eq=False)
+class RegionMeasurement:
+    """A measured region in the robot's frame, with the fields of Fig. 1.
+
+    Covariances that are not given follow from the filter's `MeasurementNoise`.
+
+    Parameters
+    ----------
+    type, confidence
+        Semantic type and p(z) in [0, 1].
+    x, y, w, h, phi
+        Midpoint (m), size (m) and heading (rad) of the main rectangle.
+    t, b, l, r
+        States of its edges; `l` and `r` become SUBRECT where `left` and `right` are given.
+    left, right
+        Subrectangles or None.
+    cov_xy, cov_wh, var_phi
+        What the sensor says of its own noise.
+    links
+        Topological links to other measurements of the scan: index -> p(z_m -> z_n).
+    """
+
+    type: str
+    x: float
+    y: float
+    w: float
+    h: float
+    phi: float = 0.0
+    confidence: float = 0.9
+    t: EdgeState = EdgeState.CLOSED
+    b: EdgeState = EdgeState.CLOSED
+    l: EdgeState = EdgeState.CLOSED  # noqa: E741 - the paper's name
+    r: EdgeState = EdgeState.CLOSED
+    left: Subrectangle | None = None
+    right: Subrectangle | None = None
+    cov_xy: Floats | None = None
+    cov_wh: Floats | None = None
+    var_phi: float | None = None
+    links: Mapping[int, float] = field(default_factory=dict)
+
+
+class Scan:
+    """All regions measured at one time, and what was in view.
+
+    Parameters
+    ----------
+    measurements
+        The measured regions.
+    view
+        Visible polygon in the robot's frame, shape (k, 2), m, counter-clockwise and star-shaped about the robot: what lies
+        inside and was not measured is evidence against a region. None: no such evidence.
+    noise
+        Noise of measurements that do not tell their own.
+    """
+
+    def __init__(
+        self,
+        measurements: Sequence[RegionMeasurement] = (),
+        view: NDArray[np.float64] | None = None,
+        noise: MeasurementNoise | None = None,
+    ) -> None:
+        noise = noise or MeasurementNoise()
+        self.types = tuple(dict.fromkeys(z.type for z in measurements))
+        self.records = np.zeros(len(measurements), MEASUREMENT)
+        for i, measurement in enumerate(measurements):
+            _check(i, measurement, len(measurements))
+            _write(self.records[i], measurement, self.types.index(measurement.type), noise)
+        links = [(i, j, p) for i, z in enumerate(measurements) for j, p in z.links.items()]
+        self.links = np.array(links, LINK)
+        self.view = None if view is None else _checked_view(view)
+
+    @classmethod
+    def from_records(
+        cls,
+        records: NDArray[np.void],
+        types: tuple[str, ...],
+        links: NDArray[np.void] | None = None,
+        view: NDArray[np.float64] | None = None,
+    ) -> Scan:
+        """Wrap arrays of `MEASUREMENT` and `LINK` as they are: the sensors' fast way in, nothing is checked or copied."""
+        scan = cls.__new__(cls)
+        scan.types, scan.records, scan.view = types, records, view
+        scan.links = np.zeros(0, LINK) if links is None else links
+        return scan
+
+    def __len__(self) -> int:
+        return len(self.records)
+
+
+_SCALARS = ("x", "y", "w", "h", "phi", "confidence")
+
+
+def _check(index: int, z: RegionMeasurement, count: int) -> None:
+    """Refuse what no sensor can mean, naming the measurement, the field and the value."""
+
+    def refuse(name: str, value: object, expected: str) -> None:
+        raise ValueError(f"measurement {index} ({z.type!r}): {name} is {value!r}, expected {expected}")
+
+    for name in _SCALARS:
+        if not np.isfinite(getattr(z, name)):
+            refuse(name, getattr(z, name), "a finite number")
+    for side, rectangle in (("", z), ("left.", z.left), ("right.", z.right)):
+        if rectangle is None:
+            continue
+        for name in ("w", "h"):
+            if not getattr(rectangle, name) > 0:
+                refuse(side + name, getattr(rectangle, name), "a size above 0")
+        if isinstance(rectangle, Subrectangle) and not np.isfinite(rectangle.y):
+            refuse(side + "y", rectangle.y, "a finite number")
+    if not 0 <= z.confidence <= 1:
+        refuse("confidence", z.confidence, "a probability in [0, 1]")
+    for name in ("t", "b"):
+        if getattr(z, name) == EdgeState.SUBRECT:
+            refuse(name, "SUBRECT", "OPEN or CLOSED: subrectangles lie left and right")
+    for name, sub in (("l", z.left), ("r", z.right)):
+        if getattr(z, name) == EdgeState.SUBRECT and sub is None:
+            refuse(name, "SUBRECT", "a subrectangle on that side")
+    for name in ("cov_xy", "cov_wh"):
+        cov = getattr(z, name)
+        if cov is not None and not _is_covariance(np.asarray(cov, float)):
+            refuse(name, cov, "a symmetric positive definite 2 x 2 matrix")
+    if z.var_phi is not None and not (np.isfinite(z.var_phi) and z.var_phi > 0):
+        refuse("var_phi", z.var_phi, "a variance above 0")
+    for target, confidence in z.links.items():
+        if not 0 <= target < count or target == index:
+            refuse("links", target, f"the index of another of the scan's {count} measurements")
+        if not 0 <= confidence <= 1:
+            refuse(f"links[{target}]", confidence, "a probability in [0, 1]")
+
+
+def _is_covariance(cov: Floats) -> bool:
+    if cov.shape != (2, 2) or not np.all(np.isfinite(cov)) or not np.allclose(cov, cov.T):
+        return False
+    return bool(cov[0, 0] > 0 and np.linalg.det(cov) > 0)
+
+
+def _checked_view(view: NDArray[np.float64]) -> NDArray[np.float64]:
+    view = np.ascontiguousarray(view, dtype=np.float64)
+    if view.ndim != 2 or view.shape[1] != 2 or len(view) < 3 or not np.all(np.isfinite(view)):
+        raise ValueError(f"view is an array of shape {view.shape}, expected at least 3 finite points of shape (k, 2)")
+    return view
+
+
+def _write(record: np.record, z: RegionMeasurement, type_index: int, noise: MeasurementNoise) -> None:
+    """Write a measurement into its record."""
+    record.type = type_index
+    record.n = 1 + (z.left is not None) + (z.right is not None)
+    record.main = int(z.left is not None)
+    for name in _SCALARS:
+        record[name] = getattr(z, name)
+    sub = EdgeState.SUBRECT
+    record.edges[:4] = z.t, z.b, z.l if z.left is None else sub, z.r if z.right is None else sub
+    variance = noise.variance_of_size
+    record.cov_xy[:] = np.eye(2) * noise.sigma_xy**2 if z.cov_xy is None else z.cov_xy
+    record.cov_wh[:] = np.diag([variance(z.w), variance(z.h)]) if z.cov_wh is None else z.cov_wh
+    record.var_phi = noise.sigma_phi**2 if z.var_phi is None else z.var_phi
+    for side, rectangle in enumerate((z.left, z.right)):
+        if rectangle is not None:
+            record.edges[4 + 3 * side : 7 + 3 * side] = rectangle.t, rectangle.b, rectangle.end
+            record.sub_w[side], record.sub_h[side], record.sub_y[side] = rectangle.w, rectangle.h, rectangle.y
+            told = np.any(rectangle.cov_wh)
+            record.sub_cov_wh[side] = (
+                rectangle.cov_wh if told else np.diag([variance(rectangle.w), variance(rectangle.h)])
+            )
+            record.sub_var_y[side] = rectangle.var_y if rectangle.var_y > 0 else noise.sigma_xy**2

@@ -1,0 +1,41 @@
+"""Odometry and its noise."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Odometry:
+    """Motion since the last step in the robot's frame at its start.
+
+    Parameters
+    ----------
+    distance, lateral
+        Displacement forward and to the left, m.
+    rotation
+        Turn, counter-clockwise, rad.
+    """
+
+    distance: float
+    lateral: float = 0.0
+    rotation: float = 0.0
+
+
+@dataclass(frozen=True)
+class MotionNoise:
+    """Variances that grow with the motion.
+
+    Parameters
+    ----------
+    distance
+        Variance of the distance per metre driven, m²/m.
+    heading_per_metre
+        Variance of the heading per metre driven, rad²/m.
+    heading_per_radian
+        Variance of the heading per radian turned, rad²/rad.
+    """
+
+    distance: float = 0.0009
+    heading_per_metre: float = 0.0001
+    heading_per_radian: float = 0.0009

@@ -1,0 +1,105 @@
+"""Motion, and the pose proposal of FastSLAM 2.0 (Montemerlo et al. 2003).
+
+Between two scans a particle keeps the motion as a Gaussian. The scan's associated measurements condition it; the pose is then
+*drawn* from the result. In edge form the innovation is linear in the pose, so the proposal is exact for given regions, and the
+product of the innovations' densities is the particle's importance weight: p(z_t | x^{t-1}, z^{t-1}).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from slam.edge_form import turn
+from slam.innovation import SLACK, condition, correspond, innovate, log_likelihood, n_closed, workspace, wrap
+from slam.jit import njit
+
+
+@njit
+def predict(particles, distance, lateral, rotation, noise_distance, noise_per_metre, noise_per_radian):
+    """Move every particle by odometry (in the robot's frame at its start) and let its covariance grow."""
+    driven = np.sqrt(distance * distance + lateral * lateral)
+    var_distance = noise_distance * driven
+    var_rotation = noise_per_metre * driven + noise_per_radian * abs(rotation)
+    for i in range(len(particles)):
+        pose, cov = particles[i].pose, particles[i].cov
+        c, s = np.cos(pose[2]), np.sin(pose[2])
+        dx, dy = c * distance - s * lateral, s * distance + c * lateral
+        # F = I + [0 0 -dy; 0 0 dx; 0 0 0], G = [c 0; s 0; 0 1]
+        xt, yt, tt = cov[0, 2], cov[1, 2], cov[2, 2]
+        cov[0, 0] += -2 * dy * xt + dy * dy * tt + c * c * var_distance
+        cov[0, 1] += -dy * yt + dx * xt - dx * dy * tt + c * s * var_distance
+        cov[1, 1] += 2 * dx * yt + dx * dx * tt + s * s * var_distance
+        cov[0, 2] += -dy * tt
+        cov[1, 2] += dx * tt
+        cov[2, 2] += var_rotation
+        cov[1, 0], cov[2, 0], cov[2, 1] = cov[0, 1], cov[0, 2], cov[1, 2]
+        pose[0] += dx
+        pose[1] += dy
+        pose[2] = wrap(pose[2] + rotation)
+        for a in range(3):
+            particles[i].expected[a] = pose[a]
+            for b in range(3):
+                particles[i].spread[a, b] = cov[a, b]
+
+
+@njit
+def propose(particles, regions, measured, associations, p):
+    """Condition every particle's motion on its associated measurements and weigh it.
+
+    A measurement without region counts with the reference density, so that particles that explain more weigh more.
+    """
+    work = workspace()
+    turned = np.zeros_like(measured[:1, 0])
+    for i in range(len(particles)):
+        particle = particles[i]
+        for j in range(len(measured)):
+            a = associations[i, j]
+            if a.slot < 0:
+                particle.log_weight += n_closed(measured[j, 0]) * p.log_reference
+                continue
+            z, m = measured[j, a.turn], regions[i, a.slot]
+            if a.turn_map:
+                turn(m, 1, turned[0])
+                m = turned[0]
+            rows, _ = correspond(z, m, a.offset, particle.pose, SLACK, work, np.inf)
+            distance, log_det = innovate(z, m, rows, particle.cov, work)
+            particle.log_weight += log_likelihood(distance, log_det, rows, n_closed(z), p.log_reference)
+            for r in range(rows):
+                for b in range(3):
+                    total = 0.0
+                    for c in range(3):
+                        total += work.normal[r, c] * particle.cov[c, b]
+                    work.gain[r, b] = total
+            condition(particle.pose, particle.cov, 3, rows, work)
+            particle.pose[2] = wrap(particle.pose[2])
+        for a in range(3):
+            particle.expected[a] = particle.pose[a]
+            for b in range(3):
+                particle.spread[a, b] = particle.cov[a, b]
+
+
+@njit
+def draw(particles, normals):
+    """Draw every pose from its proposal with standard normal numbers, shape (P, 3); the pose is certain afterwards."""
+    for i in range(len(particles)):
+        pose, cov = particles[i].pose, particles[i].cov
+        l00 = np.sqrt(max(cov[0, 0], 0.0))
+        l10 = cov[1, 0] / l00 if l00 > 0.0 else 0.0
+        l20 = cov[2, 0] / l00 if l00 > 0.0 else 0.0
+        l11 = np.sqrt(max(cov[1, 1] - l10 * l10, 0.0))
+        l21 = (cov[2, 1] - l20 * l10) / l11 if l11 > 0.0 else 0.0
+        l22 = np.sqrt(max(cov[2, 2] - l20 * l20 - l21 * l21, 0.0))
+        pose[0] += l00 * normals[i, 0]
+        pose[1] += l10 * normals[i, 0] + l11 * normals[i, 1]
+        pose[2] = wrap(pose[2] + l20 * normals[i, 0] + l21 * normals[i, 1] + l22 * normals[i, 2])
+        cov[:] = 0.0
+
+
+@njit
+def place(particles, pose):
+    """Put every particle at a pose known for certain."""
+    for i in range(len(particles)):
+        for a in range(3):
+            particles[i].pose[a] = particles[i].expected[a] = pose[a]
+        particles[i].cov[:] = 0.0
+        particles[i].spread[:] = 0.0

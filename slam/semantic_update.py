@@ -1,0 +1,83 @@
+"""Semantic update: how credible a region's type is (Oberländer et al. 2008, eqs. 7–13)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from slam.edge_form import turn
+from slam.jit import njit
+from slam.region import b_index, u_index
+
+LIMIT = 10.0
+"""Log-odds are clamped to ±LIMIT, so that a belief can always be revised."""
+
+
+@njit
+def update_semantics(particles, regions, measured, candidates, n_candidates, p):
+    """Sum the evidence for and against every region's type and apply eq. (13).
+
+    The relevant measurements of a region, eq. (8), are those that could be measurements of the same place if type were
+    ignored: the candidates of data association below its gate. A desk is no evidence against the office around it.
+    The prior enters once, when the region is born, so (13) is applied to an inverse model completed with it.
+    """
+    turned = np.zeros_like(measured[:1, 0])
+    slots = regions.shape[1]
+    for i in range(len(particles)):
+        evidence = np.zeros((slots, 4))  # supporting sum and number, opposing sum and number
+        for c in range(n_candidates[i]):
+            pair = candidates[i, c]
+            if pair.distance < p.gate_associate:
+                m, z = regions[i, pair.slot], measured[pair.z, pair.turn]
+                if pair.turn_map:
+                    turn(m, 1, turned[0])
+                    m = turned[0]
+                column = 0 if pair.same_type else 2
+                share = covered_share(z, m, pair.offset, particles[i].pose)
+                evidence[pair.slot, column] += z.confidence * share
+                evidence[pair.slot, column + 1] += 1
+        for c in range(n_candidates[i]):
+            slot = candidates[i, c].slot
+            supporting, n_supporting, opposing, n_opposing = evidence[slot]
+            if n_supporting + n_opposing > 0:
+                p_supp = supporting / n_supporting if n_supporting > 0 else 0.5  # eq. (9)
+                p_opp = opposing / n_opposing if n_opposing > 0 else 0.5  # eq. (10)
+                m = regions[i, slot]
+                m.type_log_odds = min(max(m.type_log_odds + p_supp - p_opp, -LIMIT), LIMIT)  # eq. (13)
+                evidence[slot] = 0.0
+
+
+@njit
+def covered_share(z, m, offset, pose):
+    """Return overlap(z, m), eq. (11): the share of z's area inside m, along m's axes.
+
+    m is taken with the measurement's own uncertainty (two standard deviations), or thin regions would be refuted by supporting
+    scans, and without limit where its edges are open.
+    """
+    c, s = np.cos(m.state[0]), np.sin(m.state[0])
+    dx, dy = m.anchor[0] - pose[0], m.anchor[1] - pose[1]
+    pu, pv = c * dx + s * dy, -s * dx + c * dy
+    area, covered = 0.0, 0.0
+    for j in range(z.n):
+        left, right = u_index(j), u_index(j + 1)
+        bottom = b_index(j)
+        z_left, z_right = z.state[left] - pu, z.state[right] - pu
+        z_bottom, z_top = z.state[bottom] - pv, z.state[bottom + 1] - pv
+        area += (z_right - z_left) * (z_top - z_bottom)
+        k = j + offset
+        if k < 0 or k >= m.n:
+            continue
+        m_bottom = b_index(k)
+        width = min(z_right, _limit(z, m, right, u_index(k + 1), 1)) - max(z_left, _limit(z, m, left, u_index(k), -1))
+        height = min(z_top, _limit(z, m, bottom + 1, m_bottom + 1, 1)) - max(
+            z_bottom, _limit(z, m, bottom, m_bottom, -1)
+        )
+        covered += max(width, 0.0) * max(height, 0.0)
+    return min(covered / area, 1.0) if area > 0.0 else 0.0
+
+
+@njit
+def _limit(z, m, i, j, outward):
+    """Return how far m may reach at its edge j when edge i of z is as uncertain as it says."""
+    if not m.closed[j]:
+        return outward * np.inf
+    return m.state[j] + outward * 2 * np.sqrt(z.cov[i, i] + m.cov[j, j])

@@ -1,0 +1,31 @@
+"""Importance weights on log scale."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from slam.jit import njit
+
+
+@njit
+def normalise(particles):
+    """Normalise the log weights in place and return the effective sample size 1 / sum(w²)."""
+    largest = -np.inf
+    for p in particles:
+        largest = max(largest, p.log_weight)
+    total = 0.0
+    for p in particles:
+        total += np.exp(p.log_weight - largest)
+    shift = largest + np.log(total)
+    squares = 0.0
+    for i in range(len(particles)):
+        particles[i].log_weight -= shift
+        squares += np.exp(2 * particles[i].log_weight)
+    return 1.0 / squares
+
+
+def weights(log_weights: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return normalised weights, shape (P,), from log weights."""
+    w = np.exp(log_weights - np.max(log_weights))
+    return np.asarray(w / w.sum())
