@@ -93,13 +93,13 @@ def shapes_of_records(features: NDArray[np.void], types: Sequence[str]) -> list[
         if m.n == 0 or m.existence < np.log(CREDIBLE_EXISTENCE / (1 - CREDIBLE_EXISTENCE)) or _outdone(m, features):
             continue
         n = int(m.n)
-        u = [float(m.mean[u_index(k)]) for k in range(n + 1)]
-        b = [float(m.mean[b_index(i)]) for i in range(n)]
-        t = [float(m.mean[b_index(i) + 1]) for i in range(n)]
+        u = [float(m.state[u_index(k)]) for k in range(n + 1)]
+        b = [float(m.state[b_index(i)]) for i in range(n)]
+        t = [float(m.state[b_index(i) + 1]) for i in range(n)]
         if np.any(np.diff(u) <= 0) or any(low >= high for low, high in zip(b, t, strict=True)):
             continue
         main = 1 if n == 3 else int(m.main)
-        row = Row(float(m.anchor[0]), float(m.anchor[1]), float(m.mean[0]), np.array(u), np.array(b), np.array(t), main)
+        row = Row(float(m.anchor[0]), float(m.anchor[1]), float(m.state[0]), np.array(u), np.array(b), np.array(t), main)
         closed = {}
         for i, (top, bottom) in enumerate(_rectangle_names(row)):
             closed[bottom], closed[top] = bool(m.closed[b_index(i)]), bool(m.closed[b_index(i) + 1])
