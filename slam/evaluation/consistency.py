@@ -1,7 +1,7 @@
 """Does a filter know how wrong it is? Normalised errors (NEES, NIS) and their chi-square bands.
 
-After Bar-Shalom, Li and Kirubarajan 2001, section 5.4: if errors have the covariance that the filter states, their squared
-Mahalanobis norm is chi-square distributed with as many degrees of freedom as the error has entries.
+After Bar-Shalom, Li and Kirubarajan 2001, section 5.4: if errors have the covariance that the filter states, their
+squared Mahalanobis norm is chi-square distributed with as many degrees of freedom as the error has entries.
 """
 
 from __future__ import annotations
@@ -25,8 +25,8 @@ def nees(errors: ArrayLike, covariances: ArrayLike) -> Floats:
     errors
         Estimate minus truth, shape (..., n); angles wrapped.
     covariances
-        What the filter states, shape (..., n, n). Where a covariance isn't positive definite, the result is 0 for an error of
-        0, and infinite for any other: the filter was certain and wrong.
+        What the filter states, shape (..., n, n). Where a covariance isn't positive definite, the result is 0 for an
+        error of 0, and infinite for any other: the filter was certain and wrong.
     """
     errors, covariances = np.asarray(errors, dtype=np.float64), np.asarray(covariances, dtype=np.float64)
     n = errors.shape[-1]

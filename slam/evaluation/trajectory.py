@@ -1,8 +1,8 @@
 """Errors of an estimated trajectory: absolute (APE) and relative (RPE) pose error.
 
 After Sturm et al. 2012, "A benchmark for the evaluation of RGB-D SLAM systems". Trajectories are arrays of poses
-(x, y, theta), shape (k, 3), m and rad, one row per moment, in one frame. Without alignment the frames must agree; with it
-the best rigid motion is taken out first, which forgives a filter a wrong frame that it never revised.
+(x, y, theta), shape (k, 3), m and rad, one row per moment, in one frame. Without alignment the frames must agree; with
+it the best rigid motion is taken out first, which forgives a filter a wrong frame that it never revised.
 """
 
 from __future__ import annotations
