@@ -57,8 +57,8 @@ def pursue(
 ) -> tuple[float, float]:
     """Return forward speed (m/s) and turn rate (rad/s) towards a point.
 
-    Turns on the spot where the point lies aside or behind, slows down beside obstacles, and takes the highest speed whose
-    arc stays clear of every obstacle until the robot could stand still.
+    Turns on the spot where the point lies aside or behind, slows down beside obstacles, and takes the highest speed
+    whose arc stays clear of every obstacle until the robot could stand still.
 
     Parameters
     ----------

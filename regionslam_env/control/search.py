@@ -21,8 +21,8 @@ def search(
 ) -> int:
     """Search from a cell towards a point and return the cell where the path ends.
 
-    A step from one cell to the next costs its length (in cells) times the mean cost of the two. Follow `parent` from the
-    returned cell back to `start`.
+    A step from one cell to the next costs its length (in cells) times the mean cost of the two. Follow `parent` from
+    the returned cell back to `start`.
 
     Parameters
     ----------
@@ -31,8 +31,8 @@ def search(
     start
         Flat index of the first cell (its own cost does not matter).
     goal_x, goal_y
-        The point in cells (column, row). If it lies outside the grid, the path ends at the border cell that is best on the
-        way to it. NaN: no goal, all reachable cells are settled (Dijkstra) and `start` is returned.
+        The point in cells (column, row). If it lies outside the grid, the path ends at the border cell that is best on
+        the way to it. NaN: no goal, all reachable cells are settled (Dijkstra) and `start` is returned.
     reach
         Written: cost of the cheapest path to each cell that was reached, inf elsewhere. Same shape as `cost`.
     parent

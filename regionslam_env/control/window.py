@@ -1,6 +1,6 @@
 """What one lidar scan says about the robot's surroundings: obstacle points and a grid of driving costs.
 
-The grid is square, centred on the robot and aligned with its heading, so that which ray passes a cell is known beforehand.
+The grid is square, centred on the robot and aligned with its heading: which ray passes a cell is known beforehand.
 """
 
 from __future__ import annotations
@@ -69,7 +69,7 @@ def obstacle_points(
     spacing: float,
     points: NDArray[np.float64],
 ) -> int:
-    """Write where rays ended, and points between neighbouring ends too close for the robot to pass; return their number.
+    """Write where rays ended, and points between ends too close for the robot to pass; return their number.
 
     Parameters
     ----------
@@ -115,7 +115,7 @@ def driving_cost(
     comfortable: float,
     cost: NDArray[np.float32],
 ) -> None:
-    """Write the cost of driving through every cell: 1 in the open, more near obstacles and where no ray passed, inf too near.
+    """Write the cost of driving through every cell: 1 in the open, more near obstacles and unseen, inf too near.
 
     Parameters
     ----------

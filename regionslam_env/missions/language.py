@@ -78,7 +78,7 @@ def parse(text: str, known_types: Iterable[str]) -> Mission:
 
 
 def place_type(name: str, known_types: Iterable[str]) -> str:
-    """Return the known type that a name, its singular or a synonym stands for; raise `MissionError` if there is none."""
+    """Return the known type that a name, its singular or a synonym stands for, or raise `MissionError`."""
     known = tuple(known_types)
     types = {_key(kind): kind for kind in known}
     for form in _forms(_key(name)):

@@ -39,7 +39,8 @@ def clearance(position: Floats, segments: Floats) -> float:
 def move(pose: Floats, action: Floats, step: float = 0.1) -> Floats:
     """Drive an arc at action = (forward speed in m/s, turning speed in 2 rad/s)."""
     heading = pose[2] + action[1] * 2.0 * step / 2
-    return pose + (action[0] * step * np.cos(heading), action[0] * step * np.sin(heading), action[1] * 2.0 * step)
+    turn = action[1] * 2.0 * step
+    return pose + np.array([action[0] * step * np.cos(heading), action[0] * step * np.sin(heading), turn])
 
 
 def to_robot(point: tuple[float, float], pose: Floats) -> Floats:

@@ -45,13 +45,13 @@ def test_synonym_of_an_unknown_type_is_unknown() -> None:
 
 
 def test_unknown_place_names_the_nearest() -> None:
-    with pytest.raises(MissionError, match="kitchn.*kitchen"):
+    with pytest.raises(MissionError, match=r"kitchn.*kitchen"):
         parse("go to the kitchn", TYPES)
 
 
 @pytest.mark.parametrize("text", ["", "go to", "hallway", "fly over the hallway", "go to the", "???", "go to the 🍕 §"])
 def test_what_is_no_mission_is_refused(text: str) -> None:
-    with pytest.raises(MissionError, match="mission|place"):
+    with pytest.raises(MissionError, match=r"mission|place"):
         parse(text, TYPES)
 
 

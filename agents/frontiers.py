@@ -1,0 +1,139 @@
+"""Frontiers: where the seen floor ends, at open edges of regions and behind doors never passed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from agents.believed import PASSAGES, BelievedRegion, View
+from agents.terrain import UNSEEN, Terrain
+from slam.jit import njit
+from slam.rows import Floats
+
+CLEARANCE = 0.3
+"""Distance (m) from obstacles below which the end of the seen floor is a crack, not a frontier."""
+SMALLEST = 3
+"""Cells of the smallest frontier."""
+MOST = 256
+
+
+@dataclass(frozen=True, eq=False)
+class Frontier:
+    """One connected end of the seen floor.
+
+    Attributes
+    ----------
+    point
+        Where to go to look beyond, map frame, m.
+    way
+        Cost of the way there, m.
+    size
+        Its length in cells.
+    place
+        What it is, in words.
+    worth
+        Price (m) of what probably lies behind it: low where unknown rooms are to be expected.
+    """
+
+    point: Floats
+    way: float
+    size: int
+    place: str
+    worth: float
+
+    @property
+    def price(self) -> float:
+        """What it costs to go there, the lower the better."""
+        return self.way + self.worth
+
+
+def find_frontiers(terrain: Terrain, view: View, clearance: float = CLEARANCE) -> list[Frontier]:
+    """Return every frontier that can be reached over seen floor, as the believed regions value it."""
+    reach, clearances = terrain.distances(view.pose[:2])
+    cells, sizes = cluster(terrain.scores, clearances, reach, clearance)
+    points = terrain.points(cells)
+    doors = [r for r in view.regions if r.type == "door"]
+    found = []
+    for point, (row, column), size in zip(points, cells, sizes, strict=True):
+        if size < SMALLEST:
+            continue
+        region = view.region_at(point)
+        door = _nearest_door(doors, point)
+        place, worth = _appraise(region, door, view)
+        worth += 6.0 if size < 6 else 0.0
+        found.append(Frontier(point, float(reach[row, column]), int(size), place, worth))
+    return found
+
+
+def _nearest_door(doors: list[BelievedRegion], point: Floats) -> BelievedRegion | None:
+    """Return the door within a metre of a point, if any."""
+    near = [(float(np.hypot(*(np.array(d.row.centre) - point))), d.slot, d) for d in doors]
+    distance, _, door = min(near, default=(np.inf, 0, None))
+    return door if distance < 1.0 else None
+
+
+def _appraise(region: BelievedRegion | None, door: BelievedRegion | None, view: View) -> tuple[str, float]:
+    """Return a frontier's name and the price of what is expected behind it."""
+    if region is None:
+        return (f"door {door.slot}" if door is not None else "the unknown"), 0.0
+    if region.goal_p > 0.5:
+        return f"the rest of the {region.type}", -5.0
+    if region.type in PASSAGES:
+        return f"the end of the {region.type}", 0.0
+    if door is not None:
+        return f"door {door.slot} of the {region.type}", 8.0
+    return f"the rest of the {region.type}", 12.0 if region.open_edges else 20.0
+
+
+@njit
+def cluster(
+    scores: NDArray[np.int8], clearances: NDArray[np.float32], reach: NDArray[np.float32], clearance: float
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Return a cell (row, column) of every connected frontier, shape (k, 2), and how many cells it has, shape (k,).
+
+    A frontier's cells are free, reachable (`reach` finite), at least `clearance` (m) from obstacles and border on an
+    unseen one. The cell returned is the one nearest to the middle of the frontier.
+    """
+    rows, columns = scores.shape
+    pending = np.zeros((rows, columns), np.bool_)
+    for r in range(1, rows - 1):
+        for c in range(1, columns - 1):
+            if scores[r, c] > 0 or scores[r, c] == UNSEEN or clearances[r, c] < clearance or np.isinf(reach[r, c]):
+                continue
+            pending[r, c] = (
+                scores[r - 1, c] == UNSEEN
+                or scores[r + 1, c] == UNSEEN
+                or scores[r, c - 1] == UNSEEN
+                or scores[r, c + 1] == UNSEEN
+            )
+    found, sizes = np.zeros((MOST, 2), np.int64), np.zeros(MOST, np.int64)
+    queue = np.empty((rows * columns, 2), np.int64)
+    count = 0
+    for r0 in range(1, rows - 1):
+        for c0 in range(1, columns - 1):
+            if not pending[r0, c0] or count == MOST:
+                continue
+            queue[0, 0], queue[0, 1] = r0, c0
+            pending[r0, c0] = False
+            size, head = 1, 0
+            while head < size:
+                r, c = queue[head, 0], queue[head, 1]
+                head += 1
+                for nr in range(r - 1, r + 2):
+                    for nc in range(c - 1, c + 2):
+                        if pending[nr, nc]:
+                            pending[nr, nc] = False
+                            queue[size, 0], queue[size, 1] = nr, nc
+                            size += 1
+            middle_r, middle_c = np.mean(queue[:size, 0]), np.mean(queue[:size, 1])
+            best = 0
+            for k in range(size):
+                if np.hypot(queue[k, 0] - middle_r, queue[k, 1] - middle_c) < np.hypot(
+                    queue[best, 0] - middle_r, queue[best, 1] - middle_c
+                ):
+                    best = k
+            found[count, 0], found[count, 1], sizes[count] = queue[best, 0], queue[best, 1], size
+            count += 1
+    return found[:count], sizes[:count]

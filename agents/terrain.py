@@ -1,0 +1,205 @@
+"""The floor seen so far: free, occupied or unseen cells in the map frame, drawn from lidar and believed poses.
+
+Where newer scans contradict older ones (the believed pose moves), the newer ones win within a few scans.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from regionslam_env.control.search import search, trace
+from slam.jit import njit
+from slam.rows import Floats
+
+UNSEEN = -128
+"""Score of a cell no ray has passed; other cells are free up to a score of 0 and occupied above."""
+FIRM = 6
+"""Largest score, and the number of clear views that free an occupied cell."""
+
+
+class Terrain:
+    """Seen floor and ways over it.
+
+    Parameters
+    ----------
+    n_rays, max_range
+        Rays of the lidar (the first one looks straight back) and their reach, m.
+    sight
+        Distance up to which floor counts as seen (m): what the region sensor sees for certain.
+    touch
+        Distance of the robot's centre from an obstacle at which they touch, m.
+    cell
+        Edge of a cell, m.
+    """
+
+    def __init__(self, n_rays: int, max_range: float, sight: float, touch: float, cell: float = 0.1) -> None:
+        self.max_range, self.sight, self.touch, self.cell = max_range, sight, touch, cell
+        self._angles = -np.pi + 2 * np.pi * np.arange(n_rays) / n_rays
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget everything."""
+        size = 2 * int(15 / self.cell) + 1
+        self.scores = np.full((size, size), UNSEEN, np.int8)
+        self.origin = np.full(2, -(size // 2) * self.cell)  # map frame, centre of cell (0, 0)
+
+    def insert(self, pose: Floats, ranges: ArrayLike) -> None:
+        """Enter one scan taken at a pose (x, y, theta)."""
+        self._grow(pose[:2])
+        scan = np.asarray(ranges, dtype=np.float64)
+        draw_scan(self.scores, self.origin, self.cell, pose, self._angles, scan, self.sight, self.max_range - 0.1)
+
+    def index(self, point: ArrayLike) -> tuple[int, int]:
+        """Return row and column of the cell at a point (map frame), within the grid."""
+        column, row = np.rint((np.asarray(point) - self.origin) / self.cell).astype(int)
+        return min(max(int(row), 0), self.scores.shape[0] - 1), min(max(int(column), 0), self.scores.shape[1] - 1)
+
+    def points(self, cells: NDArray[np.int64]) -> Floats:
+        """Return the map-frame centres of cells given as (row, column), shape (k, 2)."""
+        return np.asarray(cells)[:, ::-1] * self.cell + self.origin
+
+    def seen(self, point: ArrayLike) -> bool:
+        """Tell whether the floor at a point has been seen."""
+        return bool(self.scores[self.index(point)] != UNSEEN)
+
+    def costs(self, start: ArrayLike) -> tuple[NDArray[np.float32], Floats]:
+        """Return the cost of driving through every cell (inf: unseen or too near an obstacle) and the clearance (m)."""
+        clearance = clearances(self.scores) * self.cell
+        comfortable = self.touch + 0.4
+        short = np.clip((comfortable - clearance) / 0.4, 0, None)
+        cost = (1 + 4 * short**2).astype(np.float32)
+        cost[(self.scores == UNSEEN) | (clearance < self.touch - 0.05)] = np.inf
+        row, column = self.index(start)
+        around = cost[max(0, row - 3) : row + 4, max(0, column - 3) : column + 4]
+        around[~np.isfinite(around)] = 20.0  # wherever the robot is, it can leave
+        return cost, clearance
+
+    def route(self, start: ArrayLike, target: ArrayLike) -> Floats:
+        """Return the way over seen floor from a point towards another, shape (k, 2), map frame."""
+        cost, _ = self.costs(start)
+        row, column = self.index(target)
+        end, _, parent = self._search(cost, start, float(column), float(row))
+        return self.points(trace(parent, end))
+
+    def distances(self, start: ArrayLike) -> tuple[NDArray[np.float32], Floats]:
+        """Return the cost (m) of the way to every cell, inf where there is none, and the clearances."""
+        cost, clearance = self.costs(start)
+        _, reach, _ = self._search(cost, start, np.nan, np.nan)
+        return reach * np.float32(self.cell), clearance
+
+    def _search(
+        self, cost: NDArray[np.float32], start: ArrayLike, column: float, row: float
+    ) -> tuple[int, NDArray[np.float32], NDArray[np.int32]]:
+        r, c = self.index(start)
+        reach, parent = np.empty(cost.shape, np.float32), np.empty(cost.shape, np.int32)
+        return search(cost, r * cost.shape[1] + c, column, row, reach, parent), reach, parent
+
+    def _grow(self, position: Floats) -> None:
+        """Widen the grid so that a scan at a position fits in."""
+        need = self.max_range + 1.0
+        last = self.origin + (np.array(self.scores.shape[::-1]) - 1) * self.cell
+        low = np.where(position - need < self.origin, int(15 / self.cell), 0)
+        high = np.where(position + need > last, int(15 / self.cell), 0)
+        if low.any() or high.any():
+            pads = ((low[1], high[1]), (low[0], high[0]))
+            self.scores = np.pad(self.scores, pads, constant_values=UNSEEN)
+            self.origin = self.origin - low * self.cell
+            self._grow(position)
+
+
+@njit
+def draw_scan(
+    scores: NDArray[np.int8],
+    origin: NDArray[np.float64],
+    cell: float,
+    pose: NDArray[np.float64],
+    angles: NDArray[np.float64],
+    ranges: NDArray[np.float64],
+    sight: float,
+    max_range: float,
+) -> None:
+    """Lower the scores of cells that rays passed within sight, and raise those where rays ended.
+
+    Between neighbouring rays, whose ends drift apart, further ones are taken to be as long as the shorter of the two.
+
+    Parameters
+    ----------
+    scores
+        Changed in place.
+    origin, cell
+        Centre of cell (0, 0) in the map frame and the edge of a cell, m.
+    pose
+        Of the lidar, (x, y, theta) in the map frame.
+    angles, ranges
+        Of the rays, in the robot's frame, shape (n,).
+    sight
+        Floor beyond this distance (m) counts as unseen.
+    max_range
+        Rays of this length or more hit nothing.
+    """
+    n = len(angles)
+    between = 3
+    width = 2 * np.pi / n
+    for k in range(n):
+        following = ranges[(k + 1) % n]
+        for s in range(between):
+            length = min(ranges[k] if s == 0 else min(ranges[k], following), sight + 0.15) - 0.15
+            angle = pose[2] + angles[k] + width * s / between
+            dx, dy = np.cos(angle), np.sin(angle)
+            distance = 0.0 if s == 0 else 0.7 * cell / width
+            while distance < length:
+                r = int(np.rint((pose[1] + distance * dy - origin[1]) / cell))
+                c = int(np.rint((pose[0] + distance * dx - origin[0]) / cell))
+                score = scores[r, c]
+                scores[r, c] = 0 if score == UNSEEN else max(score - 1, -FIRM)
+                distance += cell
+    for k in range(n):
+        if ranges[k] >= max_range:
+            continue
+        angle = pose[2] + angles[k]
+        x, y = pose[0] + ranges[k] * np.cos(angle), pose[1] + ranges[k] * np.sin(angle)
+        following = (k + 1) % n
+        x1 = pose[0] + ranges[following] * np.cos(pose[2] + angles[following])
+        y1 = pose[1] + ranges[following] * np.sin(pose[2] + angles[following])
+        gap = np.hypot(x1 - x, y1 - y)
+        pieces = int(gap / cell) + 1 if gap < 0.4 and ranges[following] < max_range else 1
+        for piece in range(pieces):
+            r = int(np.rint((y + (y1 - y) * piece / pieces - origin[1]) / cell))
+            c = int(np.rint((x + (x1 - x) * piece / pieces - origin[0]) / cell))
+            scores[r, c] = min(max(scores[r, c], 0) + 4, FIRM)
+
+
+@njit
+def clearances(scores: NDArray[np.int8]) -> NDArray[np.float32]:
+    """Return each cell's distance to the nearest occupied cell, in cells (3 x 3 chamfer, within 4 %)."""
+    rows, columns = scores.shape
+    out = np.full((rows, columns), np.float32(1e6))
+    for r in range(rows):
+        for c in range(columns):
+            if scores[r, c] > 0:
+                out[r, c] = 0.0
+                continue
+            best = out[r, c]
+            if r > 0:
+                best = min(best, out[r - 1, c] + np.float32(0.96))
+                if c > 0:
+                    best = min(best, out[r - 1, c - 1] + np.float32(1.36))
+                if c + 1 < columns:
+                    best = min(best, out[r - 1, c + 1] + np.float32(1.36))
+            if c > 0:
+                best = min(best, out[r, c - 1] + np.float32(0.96))
+            out[r, c] = best
+    for r in range(rows - 1, -1, -1):
+        for c in range(columns - 1, -1, -1):
+            best = out[r, c]
+            if r + 1 < rows:
+                best = min(best, out[r + 1, c] + np.float32(0.96))
+                if c > 0:
+                    best = min(best, out[r + 1, c - 1] + np.float32(1.36))
+                if c + 1 < columns:
+                    best = min(best, out[r + 1, c + 1] + np.float32(1.36))
+            if c + 1 < columns:
+                best = min(best, out[r, c + 1] + np.float32(0.96))
+            out[r, c] = best
+    return out
