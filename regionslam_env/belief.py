@@ -1,0 +1,100 @@
+"""The environment's one door to the filter, and the ladder of how well the robot knows its pose."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from slam.belief import Belief
+from slam.config import SlamConfig
+from slam.extent import contains
+from slam.fastslam import RegionSLAM
+from slam.jit import njit
+from slam.measurement import Scan
+from slam.motion import Odometry
+from slam.particles import ParticleSet
+from slam.proposal import predict
+
+Localization = Literal["slam", "oracle", "odometry"]
+
+LOCALIZATIONS: tuple[Localization, ...] = ("slam", "oracle", "odometry")
+"""Where the pose comes from: the filter, the truth, or dead reckoning. The map is made from it in each case."""
+
+Floats = NDArray[np.float64]
+
+
+class Localizer:
+    """Belief about pose and map, in the map frame: the pose at the reset is its origin.
+
+    Parameters
+    ----------
+    localization
+        One of `LOCALIZATIONS`.
+    config
+        Of the filter; it keeps one particle where the pose is given to it.
+    """
+
+    def __init__(self, localization: Localization, config: SlamConfig) -> None:
+        self.localization, self._config = localization, config
+        self.reset(np.random.default_rng(0))
+
+    def reset(self, rng: np.random.Generator) -> None:
+        """Forget everything; `rng` is the filter's own generator."""
+        self._filter = RegionSLAM(self._config, rng)
+        self._reckoning = ParticleSet.at(np.zeros(3), 1).particles
+        self.belief = self._filter.belief
+
+    def step(self, odometry: Odometry, scan: Scan, true_pose: Floats) -> Belief:
+        """Take in what was measured and return the belief.
+
+        Parameters
+        ----------
+        odometry, scan
+            Of this step.
+        true_pose
+            In the map frame, shape (3,); only the oracle looks at it.
+        """
+        if self.localization == "slam":
+            self.belief = self._filter.step(odometry, scan)
+        elif self.localization == "oracle":
+            self.belief = self._filter.step(odometry, scan, true_pose)
+        else:
+            self.belief = self._reckon(odometry, scan)
+        return self.belief
+
+    def _reckon(self, odometry: Odometry, scan: Scan) -> Belief:
+        """Map from the pose that odometry alone gives; the belief tells how uncertain that is."""
+        noise, reckoning = self._config.motion_noise, self._reckoning
+        motion = (odometry.distance, odometry.lateral, odometry.rotation)
+        predict(reckoning, *motion, noise.distance, noise.heading_per_metre, noise.heading_per_radian)
+        belief = self._filter.step(odometry, scan, reckoning["pose"][0])
+        belief.pose_cov[:] = reckoning["cov"][0]
+        belief.particles["spread"][:] = reckoning["cov"][0]
+        return belief
+
+
+def probability_in_type(belief: Belief, region_type: str) -> float:
+    """Return the probability of being in a region of a type, over the particles and their own maps.
+
+    Only confirmed regions count, and of several types at one place only the most credible.
+    """
+    if region_type not in belief.types:
+        return 0.0
+    index = belief.types.index(region_type)
+    return float(inside_type(belief.particles, belief.regions, index, belief.confirmed_after))
+
+
+@njit
+def inside_type(particles: NDArray[np.void], maps: NDArray[np.void], region_type: int, confirmed_after: int) -> float:
+    """Return the weight of the particles that are in a credible region of a type (its number)."""
+    total = 0.0
+    for q in range(len(particles)):
+        for place in range(particles[q].n_slots):
+            region = maps[q, place]
+            if region.n > 0 and region.type == region_type and region.rival < 0 and region.sightings >= confirmed_after:
+                if contains(region, particles[q].expected[0], particles[q].expected[1], 0.0):
+                    total += np.exp(particles[q].log_weight)
+                    break
+    return total

@@ -1,0 +1,274 @@
+"""The observation: the belief as a flat dictionary of fixed-size arrays, and the names of their columns.
+
+Tables (`regions`, `links`) and the covariance are flattened row by row, because Stable-Baselines3 and RLlib take
+one-dimensional boxes only; `region_table` and `link_table` give them their rows back.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from enum import IntEnum
+from typing import Any
+
+import numpy as np
+from gymnasium import spaces
+from numpy.typing import NDArray
+
+from regionslam_env import slots
+from regionslam_env.config import RobotConfig
+from regionslam_env.errors import ConfigError
+from slam.belief import Belief
+from slam.jit import njit
+from slam.motion import Odometry
+
+Observation = dict[str, NDArray[Any]]
+
+LINK_COLUMNS = 4
+LINKS_PER_SLOT = 4
+COVARIANCE_LIMIT = 1e4
+"""Entries of the pose's covariance are clipped to this, m² and rad²."""
+
+
+class RegionColumn(IntEnum):
+    """Columns of a region's row: main rectangle and subrectangles (Fig. 1) in the robot's frame, states, beliefs.
+
+    From `TYPES` on there is one column for every semantic type.
+    """
+
+    X = 0
+    Y = 1
+    COS = 2
+    SIN = 3
+    W = 4
+    H = 5
+    LEFT_W = 6
+    LEFT_H = 7
+    LEFT_Y = 8
+    RIGHT_W = 9
+    RIGHT_H = 10
+    RIGHT_Y = 11
+    OPEN_T = 12
+    OPEN_B = 13
+    OPEN_L = 14
+    OPEN_R = 15
+    OPEN_TL = 16
+    OPEN_BL = 17
+    OPEN_LL = 18
+    OPEN_TR = 19
+    OPEN_BR = 20
+    OPEN_RR = 21
+    EXISTENCE = slots.EXISTENCE
+    TYPE_P = slots.TYPE_P
+    VISITED = slots.VISITED
+    CONTAINS_ME = slots.CONTAINS_ME
+    TYPES = slots.TYPES
+
+
+class LinkColumn(IntEnum):
+    """Columns of a link's row; the slots are places in the table of regions."""
+
+    FIRST = 0
+    SECOND = 1
+    PROBABILITY = 2
+    KIND = 3
+
+
+class LinkKind(IntEnum):
+    """Kinds of links: a passage between two regions, or the second inside the first."""
+
+    ADJACENCY = 0
+    CONTAINMENT = 1
+
+
+def region_table(observation: Mapping[str, NDArray[Any]]) -> NDArray[np.float32]:
+    """Return the rows of the regions, shape (slots, columns of `RegionColumn`); a view of the observation."""
+    return observation["regions"].reshape(len(observation["regions_mask"]), -1)
+
+
+def link_table(observation: Mapping[str, NDArray[Any]]) -> NDArray[np.float32]:
+    """Return the rows of the links, shape (4 slots, columns of `LinkColumn`); a view of the observation."""
+    return observation["links"].reshape(-1, LINK_COLUMNS)
+
+
+def observation_space(
+    n_slots: int, n_types: int, robot: RobotConfig, n_lidar_rays: int, lidar_range: float
+) -> spaces.Dict:
+    """Return the space of observations.
+
+    Parameters
+    ----------
+    n_slots
+        Rows for regions.
+    n_types
+        Number of semantic types.
+    robot
+        Bounds the velocities: twice the largest, because they are measured.
+    n_lidar_rays, lidar_range
+        Of the lidar; m.
+    """
+
+    def box(low: Any, high: Any, shape: tuple[int, ...] | None = None) -> spaces.Box:
+        return spaces.Box(np.float32(low), np.float32(high), shape, np.float32)
+
+    length = slots.LENGTH_LIMIT
+    region_low = np.zeros(RegionColumn.TYPES + n_types)
+    region_high = np.ones(RegionColumn.TYPES + n_types)
+    region_low[[RegionColumn.COS, RegionColumn.SIN]] = -1
+    region_high[RegionColumn.X : RegionColumn.OPEN_T] = length
+    region_high[[RegionColumn.COS, RegionColumn.SIN]] = 1
+    region_low[[RegionColumn.X, RegionColumn.Y, RegionColumn.LEFT_Y, RegionColumn.RIGHT_Y]] = -length
+    n_links = LINKS_PER_SLOT * n_slots
+    velocity = 2 * np.array([robot.max_speed, robot.max_turn_rate])
+    pose = np.array([length, length, 1, 1])
+    return spaces.Dict(
+        {
+            "pose": box(-pose, pose),
+            "pose_cov": box(-COVARIANCE_LIMIT, COVARIANCE_LIMIT, (9,)),
+            "velocity": box(-velocity, velocity),
+            "regions": box(np.tile(region_low, n_slots), np.tile(region_high, n_slots)),
+            "regions_mask": spaces.MultiBinary(n_slots),
+            "links": box(0, np.tile([n_slots, n_slots, 1, 1], n_links)),
+            "links_mask": spaces.MultiBinary(n_links),
+            "lidar": box(0, lidar_range, (n_lidar_rays,)),
+            "goal": box(0, 1, (n_types,)),
+            "progress": box(0, 1, (2,)),
+        }
+    )
+
+
+class Observer:
+    """Writes observations, each into fresh arrays, and remembers which region has which slot.
+
+    Parameters
+    ----------
+    types
+        Semantic types that are told apart; the last one is for all others.
+    n_slots
+        Rows for regions.
+    robot
+        For the duration of a step and the bounds of the velocities.
+    n_lidar_rays, lidar_range
+        Of the lidar; m.
+    """
+
+    def __init__(
+        self, types: Sequence[str], n_slots: int, robot: RobotConfig, n_lidar_rays: int, lidar_range: float
+    ) -> None:
+        self.types = tuple(types)
+        self.space = observation_space(n_slots, len(self.types), robot, n_lidar_rays, lidar_range)
+        self._limits = np.array([robot.step, 2 * robot.max_speed, 2 * robot.max_turn_rate, lidar_range])
+        self._sizes = {key: space.shape[0] for key, space in self.space.items() if space.shape}
+        self._ids = np.full(n_slots, -1)
+        self._places = np.full(n_slots, -1)
+        self._type_columns = np.zeros(0, np.int64)
+        self._goal = 0
+
+    def reset(self, goal: str) -> None:
+        """Begin an episode with this goal type, with every slot free."""
+        self._goal = self.types.index(goal)
+        self._ids[:] = -1
+        self._places[:] = -1
+        self._type_columns = np.zeros(0, np.int64)
+
+    @property
+    def slot_ids(self) -> NDArray[np.int64]:
+        """Id of the region in each slot, -1 for none (a copy)."""
+        return self._ids.copy()
+
+    def observe(
+        self, belief: Belief, odometry: Odometry, ranges: NDArray[np.float64], elapsed: float, done: float
+    ) -> Observation:
+        """Return the observation of a moment.
+
+        Parameters
+        ----------
+        belief
+            About pose and map.
+        odometry
+            Of the last step.
+        ranges
+            Of the lidar, m.
+        elapsed, done
+            Shares of the episode that has passed and of the mission that is done.
+        """
+        if len(belief.types) != len(self._type_columns):
+            self._learn_types(belief.types)
+        size = self._sizes
+        observation = {
+            "pose": np.empty(4, np.float32),
+            "pose_cov": np.empty(9, np.float32),
+            "velocity": np.empty(2, np.float32),
+            "regions": np.zeros(size["regions"], np.float32),
+            "regions_mask": np.zeros(size["regions_mask"], np.int8),
+            "links": np.zeros(size["links"], np.float32),
+            "links_mask": np.zeros(size["links_mask"], np.int8),
+            "lidar": np.empty(size["lidar"], np.float32),
+            "goal": np.zeros(size["goal"], np.float32),
+            "progress": np.empty(2, np.float32),
+        }
+        o = observation
+        write_senses(
+            *(o["pose"], o["pose_cov"], o["velocity"], o["lidar"], o["goal"], o["progress"]),
+            *(belief.pose_mean, belief.pose_cov, ranges, self._limits),
+            *(odometry.distance, odometry.rotation, self._goal, elapsed, done),
+        )
+        slots.write_map(
+            *(o["regions"], o["regions_mask"], o["links"], o["links_mask"], self._ids, self._places),
+            *(belief.pose, belief.features, belief.links, belief.particles, belief.regions),
+            *(self._type_columns, len(self.types), self._goal, belief.confirmed_after),
+        )
+        return observation
+
+    def _learn_types(self, known: Sequence[str]) -> None:
+        """Map the filter's types, which grow with what it meets, to those of the observation."""
+        other = len(self.types) - 1
+        self._type_columns = np.array([self.types.index(t) if t in self.types else other for t in known], np.int64)
+
+
+def observed_types(types: Sequence[str]) -> tuple[str, ...]:
+    """Return the types an observation tells apart: those given, with "other" as the last one.
+
+    Raises
+    ------
+    ConfigError
+        For no types at all, or the same one twice.
+    """
+    if isinstance(types, str) or not all(isinstance(t, str) and t for t in types):
+        raise ConfigError(f"semantic_types is {types!r}, expected a sequence of names")
+    named = tuple(t for t in types if t != "other")
+    if not named or len(set(named)) < len(named):
+        raise ConfigError(f"semantic_types is {types!r}, expected at least one name and none of them twice")
+    return (*named, "other")
+
+
+@njit
+def write_senses(
+    pose: NDArray[np.float32],
+    pose_cov: NDArray[np.float32],
+    velocity: NDArray[np.float32],
+    lidar: NDArray[np.float32],
+    goal: NDArray[np.float32],
+    progress: NDArray[np.float32],
+    mean: NDArray[np.float64],
+    covariance: NDArray[np.float64],
+    ranges: NDArray[np.float64],
+    limits: NDArray[np.float64],
+    distance: float,
+    rotation: float,
+    goal_type: int,
+    elapsed: float,
+    done: float,
+) -> None:
+    """Write all of an observation but the map; `limits`: step, velocities and range of the lidar."""
+    pose[0], pose[1] = slots.clip(mean[0], slots.LENGTH_LIMIT), slots.clip(mean[1], slots.LENGTH_LIMIT)
+    pose[2], pose[3] = math.cos(mean[2]), math.sin(mean[2])
+    for i in range(3):
+        for j in range(3):
+            pose_cov[3 * i + j] = slots.clip(covariance[i, j], COVARIANCE_LIMIT)
+    velocity[0] = slots.clip(distance / limits[0], limits[1])
+    velocity[1] = slots.clip(rotation / limits[0], limits[2])
+    for i in range(len(lidar)):
+        lidar[i] = min(limits[3], max(0.0, ranges[i]))
+    goal[goal_type] = 1
+    progress[0], progress[1] = elapsed, done
