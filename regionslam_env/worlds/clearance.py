@@ -18,7 +18,7 @@ from slam.rows import Floats
 CAP = 1.0
 """Clearances above this (m) are not told apart on the grid."""
 
-TOUCH = 0.012
+TOUCH = 0.02
 """Overlap (m) that still counts as touching: the grid's interpolation is that exact."""
 
 

@@ -23,7 +23,7 @@ from regionslam_env.worlds.world import World
 from slam.jit import njit
 from slam.rows import Floats
 
-STEP = 0.1
+STEP = 0.15
 """Distance of grid nodes, m."""
 
 MARGIN = 0.5
@@ -37,6 +37,8 @@ class Roots(NamedTuple):
     points: Floats  # (V, 2) corners
     distance: Floats  # (V,) from the corner to the goal
     goals: Floats  # (G, 8) rectangles: x, y, cos, sin of the row's frame, then u0, u1, b, t
+    first: NDArray[np.int64]  # (V + 2,) corners whose next is corner k are behind[first[k + 1] : first[k + 2]]
+    behind: NDArray[np.int64]  # (V,) corners by their next one; first those that see the goal (k = -1)
     root: NDArray[np.int32]  # (nx, ny), -1 where the goal cannot be reached
     value: Floats  # (nx, ny) distance at the node
 
@@ -184,9 +186,12 @@ class Geodesic:
         towards = np.full(len(corners.points), -1, dtype=np.int64)
         see_goals(self.grid, corners.points, goals, distance)
         relax_corners(corners, distance, towards)
+        behind = np.argsort(towards, kind="stable")
+        behind = behind[np.isfinite(distance[behind])]
+        first = np.searchsorted(towards[behind], np.arange(-1, len(towards) + 1)).astype(np.int64)
         root = np.full(self.grid.clearance.shape, -1, dtype=np.int32)
         value = np.full(self.grid.clearance.shape, np.inf)
-        roots = Roots(self.grid, corners.points, distance, goals, root, value)
+        roots = Roots(self.grid, corners.points, distance, goals, first, behind, root, value)
         flood(roots)
         return Field(indices, roots, towards)
 
@@ -257,20 +262,37 @@ def through_root(roots: Any, root: int, x: float, y: float) -> Any:
 
 
 @njit
-def improve(roots: Any, i: int, j: int, root: int, failed: Any) -> bool:
-    """Give a node this root if that is shorter and its straight piece is free; returns whether it was."""
-    grid = roots.grid
+def improve(roots: Any, i: int, j: int, root: int, failed: Any, stack: Any) -> bool:
+    """Give a node this root, or one behind it, if that is shorter and its straight piece is free; returns whether it was.
+
+    A node that cannot see the root stands in the shadow of a corner whose own way leads through that root; often the
+    shadow is thinner than the grid and nobody else would hand the corner on.
+    """
+    grid, corners = roots.grid, len(roots.points)
     if grid.clearance[i, j] < 0 or failed[i, j] == root:
         return False
     x, y = grid.x0 + i * grid.step, grid.y0 + j * grid.step
-    value, px, py = through_root(roots, root, x, y)
-    if value > roots.value[i, j] - 1e-9:
-        return False
-    if not rolls_straight(grid, x, y, px, py):
-        failed[i, j] = root
-        return False
-    roots.value[i, j], roots.root[i, j] = value, root
-    return True
+    improved, size = False, 1
+    stack[0] = root
+    while size > 0:
+        size -= 1
+        tried = stack[size]
+        value, px, py = through_root(roots, tried, x, y)
+        if value > roots.value[i, j] - 1e-9:
+            continue
+        if rolls_straight(grid, x, y, px, py):
+            roots.value[i, j], roots.root[i, j] = value, tried
+            improved = True
+            continue
+        failed[i, j] = tried
+        parent = tried if tried < corners else -1
+        for c in range(roots.first[parent + 1], roots.first[parent + 2]):
+            child = roots.behind[c]
+            detour = through_root(roots, child, x, y)[0] - value
+            if detour < 2 * grid.step and size < len(stack):
+                stack[size] = child
+                size += 1
+    return improved
 
 
 @njit
@@ -278,23 +300,15 @@ def flood(roots: Any) -> None:
     """Fill `root` and `value` outwards from the goals and the corners, nearest nodes first."""
     grid, corners = roots.grid, len(roots.points)
     nx, ny = grid.clearance.shape
-    failed = np.full((nx, ny), -1, np.int32)
+    failed, stack = np.full((nx, ny), -1, np.int32), np.empty(256, np.int64)
     keys, items, size = np.empty(nx * ny, np.float64), np.empty(nx * ny, np.int64), 0
     for root in range(corners + len(roots.goals)):
-        if root < corners:
-            if roots.distance[root] == np.inf:
-                continue
-            lx = hx = roots.points[root, 0]
-            ly = hy = roots.points[root, 1]
-        else:
-            g = roots.goals[root - corners]
-            ex, ey = abs(g[2]) * (g[5] - g[4]) + abs(g[3]) * (g[7] - g[6]), abs(g[3]) * (g[5] - g[4]) + abs(g[2]) * (g[7] - g[6])
-            mu, mv = (g[4] + g[5]) / 2, (g[6] + g[7]) / 2
-            mx, my = g[0] + g[2] * mu - g[3] * mv, g[1] + g[3] * mu + g[2] * mv
-            lx, hx, ly, hy = mx - ex / 2, mx + ex / 2, my - ey / 2, my + ey / 2
+        if root < corners and roots.distance[root] == np.inf:
+            continue
+        lx, ly, hx, hy = extent(roots, root)
         for i in range(max(0, int((lx - grid.x0) / grid.step)), min(nx, int((hx - grid.x0) / grid.step) + 2)):
             for j in range(max(0, int((ly - grid.y0) / grid.step)), min(ny, int((hy - grid.y0) / grid.step) + 2)):
-                if improve(roots, i, j, root, failed):
+                if improve(roots, i, j, root, failed, stack):
                     keys, items, size = push(keys, items, size, roots.value[i, j], i * ny + j)
     while size > 0:
         key, node = keys[0], items[0]
@@ -302,10 +316,24 @@ def flood(roots: Any) -> None:
         i, j = node // ny, node % ny
         if key > roots.value[i, j]:
             continue
-        for ni in range(max(0, i - 1), min(nx, i + 2)):
-            for nj in range(max(0, j - 1), min(ny, j + 2)):
-                if improve(roots, ni, nj, roots.root[i, j], failed):
-                    keys, items, size = push(keys, items, size, roots.value[ni, nj], ni * ny + nj)
+        for k in range(4):
+            ni, nj = i + (k == 0) - (k == 1), j + (k == 2) - (k == 3)
+            if 0 <= ni < nx and 0 <= nj < ny and improve(roots, ni, nj, roots.root[i, j], failed, stack):
+                keys, items, size = push(keys, items, size, roots.value[ni, nj], ni * ny + nj)
+
+
+@njit
+def extent(roots: Any, root: int) -> Any:
+    """Return the box (lowest x, y, highest x, y) of a root: a point, or a rectangle of the goal."""
+    corners = len(roots.points)
+    if root < corners:
+        x, y = roots.points[root, 0], roots.points[root, 1]
+        return x, y, x, y
+    g = roots.goals[root - corners]
+    u, v, half_u, half_v = (g[4] + g[5]) / 2, (g[6] + g[7]) / 2, (g[5] - g[4]) / 2, (g[7] - g[6]) / 2
+    x, y = g[0] + g[2] * u - g[3] * v, g[1] + g[3] * u + g[2] * v
+    half_x, half_y = abs(g[2]) * half_u + abs(g[3]) * half_v, abs(g[3]) * half_u + abs(g[2]) * half_v
+    return x - half_x, y - half_y, x + half_x, y + half_y
 
 
 @njit
