@@ -1,6 +1,6 @@
 """The shortest way into pymunk's engine.
 
-A substep through pymunk's own methods costs three times as much as the engine's work, and an environment step takes ten.
+A substep through pymunk's own methods costs three times the engine's own work, and an environment step takes ten.
 """
 
 from __future__ import annotations

@@ -1,8 +1,9 @@
 """The robot's body among walls and furniture, in pymunk.
 
 A velocity that is written into a body before each step replaces the one the contacts have just allowed, and the robot
-drives through walls. Here the wheels push: the space damps every velocity to zero, and each step's force alone brings it to
-what the wheels command, after the positions have moved and before the contacts are solved. So a contact has the last word.
+drives through walls. Here the wheels push: the space damps every velocity to zero, and each step's force alone brings
+it to what the wheels command, after the positions have moved and before the contacts are solved. So a contact has the
+last word.
 """
 
 from __future__ import annotations

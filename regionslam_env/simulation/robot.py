@@ -46,7 +46,7 @@ class DifferentialDrive:
         """
         if not (math.isfinite(speed) and math.isfinite(turn_rate)):
             raise ValueError(
-                f"the robot is told to drive at {speed} m/s and {turn_rate} rad/s, expected finite numbers"
+                f"the command is {speed} m/s and {turn_rate} rad/s, expected finite numbers"
             )
         speed = min(max(speed, -self._max_speed), self._max_speed)
         turn = min(max(turn_rate, -self._max_turn_rate), self._max_turn_rate) * self._half_base

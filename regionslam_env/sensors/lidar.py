@@ -1,0 +1,64 @@
+"""A lidar: distances to walls and obstacles all around."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from regionslam_env.config import NoiseConfig, SensorConfig
+from regionslam_env.geometry import NearbyIndex, cast, ray_angles, ray_directions, segment_boxes
+from regionslam_env.worlds.world import WorldArrays
+from slam.jit import njit
+
+
+class Lidar:
+    """Casts rays against walls and obstacles, with noise on what they hit.
+
+    Parameters
+    ----------
+    config
+        Number of rays and range.
+    noise
+        Standard deviation of a ray.
+    arrays
+        Of the world.
+    rng
+        The sensor's own generator.
+
+    Attributes
+    ----------
+    angles
+        Of the rays in the robot's frame, ascending from -pi (straight back), rad.
+    """
+
+    def __init__(
+        self, config: SensorConfig, noise: NoiseConfig, arrays: WorldArrays, rng: np.random.Generator
+    ) -> None:
+        self._range, self._sigma, self._rng = config.lidar_range, noise.lidar_sigma, rng
+        self.angles = ray_angles(config.n_lidar_rays)
+        self._normals = np.empty(config.n_lidar_rays)
+        self._directions = ray_directions(config.n_lidar_rays)
+        self._segments = np.concatenate([arrays.walls, arrays.obstacles])
+        self._nearby = NearbyIndex(segment_boxes(self._segments), self._range)
+
+    def reset(self, rng: np.random.Generator) -> None:
+        """Start a new episode with a generator of its own."""
+        self._rng = rng
+
+    def measure(self, pose: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the distance along every ray from a pose, shape (n,), m: the range where there is nothing."""
+        x, y, theta = pose.tolist()
+        ranges = np.empty(len(self.angles))
+        cast(x, y, theta, self._range, self._directions, self._segments, self._nearby.near(x, y), ranges)
+        if self._sigma > 0:
+            self._rng.standard_normal(out=self._normals)
+            blur(ranges, self._normals, self._sigma, self._range)
+        return ranges
+
+
+@njit
+def blur(ranges: NDArray[np.float64], normals: NDArray[np.float64], sigma: float, reach: float) -> None:
+    """Add noise of standard deviation `sigma` to every distance below `reach`, within [0, reach]."""
+    for k in range(ranges.shape[0]):
+        if ranges[k] < reach:
+            ranges[k] = min(max(ranges[k] + sigma * normals[k], 0.0), reach)
