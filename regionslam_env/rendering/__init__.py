@@ -1,7 +1,7 @@
 """Pictures of truth and belief, drawn with Pillow alone; imported only when somebody looks."""
 
 from regionslam_env.rendering.animation import GifWriter
-from regionslam_env.rendering.map_picture import draw_map
+from regionslam_env.rendering.map_picture import draw_map, draw_truth
 from regionslam_env.rendering.renderer import Renderer, Snapshot
 
-__all__ = ["GifWriter", "Renderer", "Snapshot", "draw_map"]
+__all__ = ["GifWriter", "Renderer", "Snapshot", "draw_map", "draw_truth"]

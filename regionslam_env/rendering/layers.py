@@ -47,12 +47,18 @@ def draw_regions(panel: Panel, view: Viewport, shapes: Sequence[Shape], goal: st
             panel.polygon(corners[i : i + 4], fill)
         if edge > 0:
             _draw_edges(panel, view, shape, edge)
-        if shape.type == goal:
-            outline = view.pixels(shape.row.outline())
-            panel.line([*outline, outline[0], outline[1]], GOAL, 2.5)
     for shape in shapes:
         if shape.type not in SMALL:
             _label(panel, view, shape, goal)
+    mark_goals(panel, view, shapes, goal)
+
+
+def mark_goals(panel: Panel, view: Viewport, shapes: Sequence[Shape], goal: str | None) -> None:
+    """Outline the regions of the goal type."""
+    for shape in shapes:
+        if shape.type == goal:
+            outline = view.pixels(shape.row.outline())
+            panel.line([*outline, outline[0], outline[1]], GOAL, 3.0)
 
 
 def _draw_edges(panel: Panel, view: Viewport, shape: Shape, width: float) -> None:
@@ -76,28 +82,24 @@ def _visible(panel: Panel, view: Viewport, shape: Shape) -> bool:
 
 
 def _label(panel: Panel, view: Viewport, shape: Shape, goal: str | None) -> None:
-    """Write a region's name into its main rectangle, above furniture and links, if it fits into what is visible."""
-    corners = np.array(view.pixels(shape.rectangles[shape.row.main]))
-    low = np.maximum(corners.min(axis=0), 0)
-    high = np.minimum(corners.max(axis=0), panel.size)
-    width, height = high - low
+    """Write a region's name into the widest visible part of it, above furniture and links, if it fits."""
+    corners = np.array(view.pixels(shape.rectangles.reshape(-1, 2))).reshape(-1, 4, 2)
+    lows = np.maximum(corners.min(axis=1), 0)
+    highs = np.minimum(corners.max(axis=1), panel.size)
+    widest = int(np.argmax(highs[:, 0] - lows[:, 0]))
+    (left, top), (right, bottom) = lows[widest], highs[widest]
     size = 11 if view.scale < 20 else 14
-    while size > 8 and text_width(shape.label, size) > width - 4:
+    while size > 9 and text_width(shape.label, size) > right - left - 4:
         size -= 1
-    if text_width(shape.label, size) > width - 2 or size + 3 > height:
+    if text_width(shape.label, size) > right - left - 2 or size + 3 > bottom - top:
         return
     colour = blend(GOAL, INK, 0.5) if shape.type == goal else INK
-    panel.text(
-        float(low[0] + high[0]) / 2,
-        float(low[1] + 0.5 * max(size + 5, min(height, 0.5 * height))),
-        shape.label,
-        colour,
-        size,
-    )
+    height = max(size + 5, min(bottom - top, 0.5 * (bottom - top)))
+    panel.text(float(left + right) / 2, float(top + height / 2), shape.label, colour, size)
 
 
 def draw_links(panel: Panel, view: Viewport, shapes: Sequence[Shape]) -> None:
-    """Draw adjacency as a line from the smaller region into the larger one, containment dashed to the parent's middle."""
+    """Draw adjacency as a line from the smaller region into the larger one, containment dashed to the parent."""
     shapes = [shape for shape in shapes if _visible(panel, view, shape)]
     by_id = {shape.id: shape for shape in shapes}
     drawn: set[frozenset[int | str]] = set()
@@ -117,7 +119,7 @@ def draw_links(panel: Panel, view: Viewport, shapes: Sequence[Shape]) -> None:
 
 
 def _nearest_inside(shape: Shape, point: tuple[float, float], depth: float = 0.7) -> Floats:
-    """Return the point nearest to `point` that lies `depth` m (at most to the middle) inside a rectangle of the region."""
+    """Return the point nearest to `point` that lies `depth` m (or to the middle) inside one of the rectangles."""
     row = shape.row
     u, v = row.to_local([point])[0]
     best = None
@@ -146,6 +148,7 @@ def draw_world(panel: Panel, view: Viewport, world: World, shapes: Sequence[Shap
         panel.line([a, b], INK, thickness)
         for end in (a, b):
             panel.disc(end, thickness / 2, INK)
+    mark_goals(panel, view, shapes, goal)
 
 
 def draw_lidar(

@@ -26,7 +26,7 @@ SWATCH = 22
 GAP = 16
 TEXT = 13
 
-_Sign = Callable[[Panel, float, float], None]
+Sign = Callable[[Panel, float, float], None]
 
 
 def _closed(panel: Panel, x: float, y: float) -> None:
@@ -37,7 +37,7 @@ def _open(panel: Panel, x: float, y: float) -> None:
     panel.dashes((x, y), (x + SWATCH, y), INK, 1.6)
 
 
-def _path(colour: tuple[int, int, int]) -> _Sign:
+def _path(colour: tuple[int, int, int]) -> Sign:
     def sign(panel: Panel, x: float, y: float) -> None:
         panel.line([(x, y + 3), (x + 7, y - 3), (x + 14, y + 3), (x + SWATCH, y - 3)], colour, 1.6)
 
@@ -66,7 +66,7 @@ def _goal(panel: Panel, x: float, y: float) -> None:
     )
 
 
-SIGNS: tuple[tuple[str, _Sign], ...] = (
+SIGNS: tuple[tuple[str, Sign], ...] = (
     ("goal", _goal),
     ("edge seen", _closed),
     ("edge still open", _open),
@@ -78,7 +78,7 @@ SIGNS: tuple[tuple[str, _Sign], ...] = (
 )
 
 
-def legend_height(width: int, types: Sequence[str], signs: Sequence[tuple[str, _Sign]] = SIGNS) -> int:
+def legend_height(width: int, types: Sequence[str], signs: Sequence[tuple[str, Sign]] = SIGNS) -> int:
     """Return how many pixels the legend needs below its top, within a width in px."""
     return ROW * (1 + _places(width, types, [name for name, _ in signs])[-1][0]) + 10
 
@@ -89,7 +89,7 @@ def draw_legend(
     y: int,
     width: int,
     types: Sequence[str],
-    signs: Sequence[tuple[str, _Sign]] = SIGNS,
+    signs: Sequence[tuple[str, Sign]] = SIGNS,
 ) -> None:
     """Draw the legend with its upper left corner at (x, y) of a picture: types first, then the signs."""
     panel = Panel((width, legend_height(width, types, signs)), PAPER)

@@ -8,11 +8,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 from PIL import Image, ImageDraw
 
-from regionslam_env.rendering.layers import draw_ellipse, draw_links, draw_path, draw_regions, draw_robot
-from regionslam_env.rendering.legend import SIGNS, draw_legend, legend_height
-from regionslam_env.rendering.palette import BELIEF, FAINT, INK, MUTED, PAPER, UNSEEN, font
+from regionslam_env.rendering.layers import draw_ellipse, draw_links, draw_path, draw_regions, draw_robot, draw_world
+from regionslam_env.rendering.legend import SIGNS, Sign, draw_legend, legend_height
+from regionslam_env.rendering.palette import BELIEF, FAINT, FLOOR, INK, MUTED, PAPER, UNSEEN, font
 from regionslam_env.rendering.panel import Panel, Viewport
-from regionslam_env.rendering.shapes import Shape
+from regionslam_env.rendering.shapes import Shape, shapes_of_world
+from regionslam_env.worlds.world import World
 from slam.rows import Floats
 
 MARGIN = 16
@@ -49,8 +50,7 @@ def draw_map(
         points.append(np.array(upright.pixels(np.asarray(path, dtype=np.float64)[:, :2])))
     corners = np.concatenate(points) if points else np.array([[-5.0, -3.0], [5.0, 3.0]])
     (x0, y0), (x1, y1) = corners.min(axis=0), corners.max(axis=0)
-    height = round(min(max(40 + inner * (y1 - y0) / max(x1 - x0, 1e-6), 0.25 * inner), 1.1 * inner))
-    panel = Panel((inner, height), UNSEEN)
+    panel = Panel((inner, _height(inner, x1 - x0, y1 - y0)), UNSEEN)
     view = Viewport.fit((x0, y0, x1, y1), panel.size, 20).seen_from(frame)
     draw_regions(panel, view, shapes, goal, edge=1.8)
     draw_links(panel, view, shapes)
@@ -62,12 +62,36 @@ def draw_map(
     return _compose(panel, view.scale, shapes, title)
 
 
-def _compose(panel: Panel, scale: float, shapes: Sequence[Shape], title: str) -> Image.Image:
+def draw_truth(world: World, goal: str | None = None, width: int = 1280) -> Image.Image:
+    """Return a picture of a true floor: regions shaded by type, walls, doors, furniture and links.
+
+    Parameters
+    ----------
+    goal
+        Semantic type to highlight.
+    """
+    inner = width - 2 * MARGIN
+    x0, y0, x1, y1 = world.bounds
+    panel = Panel((inner, _height(inner, x1 - x0, y1 - y0)), FLOOR)
+    shapes = shapes_of_world(world)
+    draw_world(panel, Viewport.fit(world.bounds, panel.size, 20), world, shapes, goal)
+    signs = tuple(sign for sign in SIGNS if sign[0] == "goal" and goal is not None)
+    return _compose(panel, Viewport.fit(world.bounds, panel.size, 20).scale, shapes, world.name, signs)
+
+
+def _height(width: int, extent_x: float, extent_y: float) -> int:
+    """Return the height (px) of a panel of a width (px) that shows a part of the world (m)."""
+    return round(min(max(40 + width * extent_y / max(extent_x, 1e-6), 0.25 * width), 1.1 * width))
+
+
+def _compose(
+    panel: Panel, scale: float, shapes: Sequence[Shape], title: str, signs: Sequence[Sign] = MAP_SIGNS
+) -> Image.Image:
     """Add title, scale and legend."""
     types = tuple(sorted({shape.type for shape in shapes}))
     inner = panel.size[0]
     top = HEADER + panel.size[1] + 10
-    picture = Image.new("RGB", (inner + 2 * MARGIN, top + legend_height(inner, types, MAP_SIGNS) + 4), PAPER)
+    picture = Image.new("RGB", (inner + 2 * MARGIN, top + legend_height(inner, types, signs) + 4), PAPER)
     picture.paste(panel.finish(), (MARGIN, HEADER))
     draw = ImageDraw.Draw(picture)
     draw.rectangle((MARGIN, HEADER, MARGIN + inner - 1, HEADER + panel.size[1] - 1), outline=FAINT)
@@ -78,7 +102,7 @@ def _compose(panel: Panel, scale: float, shapes: Sequence[Shape], title: str) ->
     for x in (right - metres * scale, right):
         draw.line((x, HEADER - 18, x, HEADER - 10), MUTED, 2)
     draw.text((right - metres * scale / 2, HEADER - 26), f"{metres} m", MUTED, font(13), anchor="mm")
-    draw_legend(picture, MARGIN, top, inner, types, MAP_SIGNS)
+    draw_legend(picture, MARGIN, top, inner, types, signs)
     return picture
 
 

@@ -21,7 +21,7 @@ from regionslam_env.rendering.layers import (
 from regionslam_env.rendering.legend import draw_legend, legend_height
 from regionslam_env.rendering.palette import BELIEF, FAINT, FLOOR, INK, MUTED, PAPER, TRUTH, UNSEEN, font
 from regionslam_env.rendering.panel import Panel, Viewport
-from regionslam_env.rendering.shapes import Shape
+from regionslam_env.rendering.shapes import Shape, shapes_of_world
 from regionslam_env.worlds.world import World
 from slam.rows import Floats
 
@@ -107,7 +107,7 @@ class Renderer:
         self.close_size = (panel_width, round(0.42 * panel_width))
         self.close_scale = panel_width / close_up
         self.overview = Viewport.fit(world.bounds, self.overview_size)
-        self.shapes = [Shape(r.id, r.type, r.name or r.type, r.row, parent=r.parent) for r in world.regions]
+        self.shapes = shapes_of_world(world)
         self._truth = Panel(self.overview_size, FLOOR)
         draw_world(self._truth, self.overview, world, self.shapes, goal)
         self._truth.engrave()

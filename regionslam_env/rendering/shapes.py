@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from regionslam_env.worlds.world import World
 from slam.region import EdgeState, RegionFeature, b_index, u_index
 from slam.rows import Floats, Row
 
@@ -86,11 +87,16 @@ def _rectangle_names(row: Row) -> list[tuple[str, str]]:
     return [by_place[i - row.main] for i in range(row.n)]
 
 
+def shapes_of_world(world: World) -> list[Shape]:
+    """Return the true regions, labelled with their names."""
+    return [Shape(r.id, r.type, r.name or r.type, r.row, parent=r.parent) for r in world.regions]
+
+
 def shapes_of_records(features: NDArray[np.void], types: Sequence[str]) -> list[Shape]:
     """Return the credible regions of a particle's map, a record array of `REGION` (slots with ``n == 0`` are free)."""
     shapes = []
     for m in features:
-        if m.n == 0 or m.existence < np.log(CREDIBLE_EXISTENCE / (1 - CREDIBLE_EXISTENCE)) or _outdone(m, features):
+        if m.n == 0 or m.rival >= 0 or _sigmoid(m.existence) < CREDIBLE_EXISTENCE:
             continue
         n = int(m.n)
         u = [float(m.state[u_index(k)]) for k in range(n + 1)]
@@ -99,7 +105,9 @@ def shapes_of_records(features: NDArray[np.void], types: Sequence[str]) -> list[
         if np.any(np.diff(u) <= 0) or any(low >= high for low, high in zip(b, t, strict=True)):
             continue
         main = 1 if n == 3 else int(m.main)
-        row = Row(float(m.anchor[0]), float(m.anchor[1]), float(m.state[0]), np.array(u), np.array(b), np.array(t), main)
+        row = Row(
+            float(m.anchor[0]), float(m.anchor[1]), float(m.state[0]), np.array(u), np.array(b), np.array(t), main
+        )
         closed = {}
         for i, (top, bottom) in enumerate(_rectangle_names(row)):
             closed[bottom], closed[top] = bool(m.closed[b_index(i)]), bool(m.closed[b_index(i) + 1])
@@ -122,10 +130,6 @@ def shapes_of_map(regions: Iterable[RegionFeature]) -> list[Shape]:
         certainty = _sigmoid(r.existence) * _sigmoid(r.type_log_odds)
         shapes.append(Shape(r.id, r.type, r.type, r.row, closed, certainty, tuple(linked), parents.get(r.id)))
     return shapes
-
-
-def _outdone(m: np.record, features: NDArray[np.void]) -> bool:
-    return m.rival >= 0 and features[m.rival].n > 0 and features[m.rival].type_log_odds > m.type_log_odds
 
 
 def _sigmoid(log_odds: float) -> float:

@@ -1,0 +1,191 @@
+"""Speed, measured: the whole environment by part, and the filter alone.
+
+Other programs on the same core make a machine up to two times slower. A fixed loop is therefore timed around every
+repeat, and only repeats that ran while that loop was about as quick as ever are kept.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import gymnasium
+import numpy as np
+
+from slam.config import SlamConfig
+from slam.fastslam import RegionSLAM
+from slam.measurement import RegionMeasurement, Scan
+from slam.motion import Odometry
+
+QUIET = 1.15
+"""A repeat counts if the fixed loop around it took at most this much longer than its quickest run."""
+
+PARTS = ("physics", "lidar", "region sensor", "filter", "observation")
+
+
+def benchmark_environment(
+    steps: int = 20_000, repeats: int = 10, env_id: str = "RegionSLAM/GoTo-v0", seed: int = 0, **kwargs: Any
+) -> dict[str, Any]:
+    """Return steps per second of an environment under random actions that were sampled beforehand, resets included.
+
+    Parameters
+    ----------
+    steps
+        In all; they are split into `repeats`.
+    kwargs
+        Of the environment.
+
+    Returns
+    -------
+    dict
+        ``steps_per_second`` and ``reset_ms`` (medians of the quiet repeats; the first includes the resets),
+        ``microseconds`` per step by part, from a run of its own with timers in it, and ``quiet`` of ``repeats``.
+    """
+    env = gymnasium.make(env_id, **kwargs)
+    rng = np.random.default_rng(seed)
+    shape = (max(1, steps // repeats), *(env.action_space.shape or ()))
+    actions = rng.uniform(-1, 1, shape).astype(np.float32)
+    actions[:, 2:] = -1
+    env.reset(seed=seed)
+    for action in actions[:50]:
+        env.step(action)
+    reset_times: list[float] = []
+
+    def repeat() -> None:
+        reset_times.append(_drive(env, actions))
+
+    durations, quiet = timed(repeat, repeats)
+    result = {
+        "env": env_id,
+        "steps_per_second": len(actions) / float(np.median(durations[quiet])),
+        "reset_ms": 1e3 * float(np.median(np.array(reset_times)[quiet])),
+        "microseconds": _by_part(env, actions),
+        "steps": len(actions) * repeats,
+        "quiet": int(quiet.sum()),
+        "repeats": repeats,
+    }
+    env.close()
+    return result
+
+
+def benchmark_filter(
+    n_particles: int = 4, measurements: int = 12, regions: int = 30, steps: int = 2_000, repeats: int = 10
+) -> dict[str, Any]:
+    """Return the time of one filter step, µs, with that many measurements of that many mapped regions."""
+    slam = RegionSLAM(SlamConfig(n_particles=n_particles), seed=0)
+    columns = int(np.ceil(np.sqrt(regions)))
+    places = [(6.0 * (k % columns), 5.0 * (k // columns)) for k in range(regions)]
+    middle = np.mean(places, axis=0)
+
+    def scan(indices: list[int]) -> Scan:
+        return Scan(
+            [
+                RegionMeasurement(f"type {k % 5}", places[k][0] - middle[0], places[k][1] - middle[1], 5.5, 4.5)
+                for k in indices
+            ]
+        )
+
+    still = Odometry(0.0)
+    for first in range(0, regions, measurements):
+        for _ in range(5):
+            slam.step(still, scan(list(range(first, min(regions, first + measurements)))))
+    nearest = np.argsort(np.hypot(*(np.array(places) - middle).T), kind="stable")[:measurements]
+    view = scan(nearest.tolist())
+    count = max(1, steps // repeats)
+
+    def repeat() -> None:
+        for _ in range(count):
+            slam.step(still, view)
+
+    durations, quiet = timed(repeat, repeats)
+    return {
+        "filter_us": 1e6 * float(np.median(durations[quiet])) / count,
+        "particles": n_particles,
+        "measurements": measurements,
+        "regions": len(slam.belief.map),
+        "quiet": int(quiet.sum()),
+        "repeats": repeats,
+    }
+
+
+def timed(repeat: Callable[[], object], repeats: int) -> tuple[np.ndarray, np.ndarray]:
+    """Run something several times; return the duration of each, s, and which ones ran on a quiet machine."""
+    durations, around = np.empty(repeats), np.empty(repeats)
+    for k in range(repeats):
+        before = _fixed_loop()
+        start = time.perf_counter()
+        repeat()
+        durations[k] = time.perf_counter() - start
+        around[k] = max(before, _fixed_loop())
+    quiet = around <= QUIET * around.min()
+    return durations, quiet
+
+
+def _fixed_loop() -> float:
+    """Return the time of a loop that always does the same, s: how busy the machine is."""
+    start = time.perf_counter()
+    total = 0
+    for i in range(100_000):
+        total += i * i
+    return time.perf_counter() - start
+
+
+def _drive(env: gymnasium.Env[Any, Any], actions: np.ndarray) -> float:
+    """Drive through all actions, with resets where episodes end and at the end; return the mean time of a reset, s."""
+    resetting, resets = 0.0, 0
+    for k, action in enumerate(actions):
+        _, _, terminated, truncated, _ = env.step(action)
+        if terminated or truncated or k == len(actions) - 1:
+            start = time.perf_counter()
+            env.reset()
+            resetting, resets = resetting + time.perf_counter() - start, resets + 1
+    return resetting / resets
+
+
+def _by_part(env: gymnasium.Env[Any, Any], actions: np.ndarray) -> dict[str, float]:
+    """Return µs per step of each part; what the timers themselves take is in `other`."""
+    base: Any = env.unwrapped
+    spent = dict.fromkeys(PARTS, 0.0)
+    targets = {
+        "physics": (base.simulation, "step"),
+        "lidar": (base.lidar, "measure"),
+        "region sensor": (base.region_sensor, "measure"),
+        "filter": (base.belief, "step"),
+        "observation": (base.observer, "observe"),
+    }
+    env.reset()
+    count, total = 0, 0.0
+    with _timers(targets, spent):
+        for action in actions:
+            start = time.perf_counter()
+            _, _, terminated, truncated, _ = env.step(action)
+            total += time.perf_counter() - start
+            count += 1
+            if terminated or truncated:
+                break
+    parts = {part: 1e6 * seconds / count for part, seconds in spent.items()}
+    return {**parts, "other": 1e6 * total / count - sum(parts.values()), "total": 1e6 * total / count}
+
+
+@contextmanager
+def _timers(targets: dict[str, tuple[Any, str]], spent: dict[str, float]) -> Iterator[None]:
+    """Replace methods of objects by timed ones for a while."""
+
+    def timer(part: str, method: Callable[..., Any]) -> Callable[..., Any]:
+        def call(*args: Any, **kwargs: Any) -> Any:
+            start = time.perf_counter()
+            result = method(*args, **kwargs)
+            spent[part] += time.perf_counter() - start
+            return result
+
+        return call
+
+    for part, (owner, name) in targets.items():
+        setattr(owner, name, timer(part, getattr(owner, name)))
+    try:
+        yield
+    finally:
+        for owner, name in targets.values():
+            delattr(owner, name)

@@ -1,0 +1,74 @@
+"""How the command line fails and speaks: one clear line and an exit code, never a traceback for bad input."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import gymnasium
+import typer
+from rich.console import Console
+from typer.core import TyperGroup
+
+DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
+
+
+class InputError(ValueError):
+    """Something given on the command line that cannot be used."""
+
+
+class Commands(TyperGroup):
+    """The group of all commands, with the project's exit codes.
+
+    0: done; 1: the mission failed; 2: bad input, told in one line on standard error. A command returns its own code.
+    """
+
+    def main(self, args: Sequence[str] | None = None, prog_name: str | None = None, **extra: Any) -> Any:
+        """Run a command line and exit."""
+        try:
+            code = super().main(args, prog_name, **{**extra, "standalone_mode": False})
+        except (ValueError, OSError, gymnasium.error.Error) as error:
+            if isinstance(error, BrokenPipeError):
+                sys.exit(FAILED)
+            sys.exit(_refuse(_one_line(error)))
+        except KeyboardInterrupt:
+            sys.exit(INTERRUPTED)
+        except Exception as error:
+            if type(error).__name__ == "Abort":
+                sys.exit(INTERRUPTED)
+            if not hasattr(error, "format_message"):
+                raise
+            message = error.format_message()
+            if type(error).__name__ == "NoArgsIsHelpError":
+                print(message)
+                sys.exit(BAD_INPUT)
+            sys.exit(_refuse(_one_line(message)))
+        sys.exit(code or DONE)
+
+
+def _refuse(message: str) -> int:
+    print(f"error: {message}", file=sys.stderr)
+    return BAD_INPUT
+
+
+def _one_line(error: object) -> str:
+    if isinstance(error, OSError) and error.strerror:
+        return f"{error.filename}: {error.strerror}" if error.filename else error.strerror
+    return " ".join(str(error).split())
+
+
+def console() -> Console:
+    """Return a console on the present standard output."""
+    return Console(highlight=False, soft_wrap=True)
+
+
+def status_console() -> Console:
+    """Return a console on the present standard error, for progress that is no result."""
+    return Console(stderr=True, highlight=False)
+
+
+def print_json(values: Mapping[str, Any]) -> None:
+    """Print one JSON object on a line of its own."""
+    typer.echo(json.dumps(values, allow_nan=False, ensure_ascii=False))

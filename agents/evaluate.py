@@ -1,0 +1,169 @@
+"""Evaluation of an agent over episodes: means with 95 % confidence intervals."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any, Protocol
+
+import gymnasium
+import numpy as np
+
+from agents.console import InputError
+from agents.scripted import ScriptedAgent
+from regionslam_env.errors import unknown
+from regionslam_env.registration import ENVIRONMENTS
+from regionslam_env.tasks.metrics import METRICS
+
+Z95 = 1.959964
+
+
+class Agent(Protocol):
+    """Anything that acts on observations."""
+
+    def reset(self) -> None:
+        """Begin an episode."""
+
+    def act(self, observation: Mapping[str, Any]) -> Any:
+        """Return an action."""
+
+
+class RandomAgent:
+    """Drives at random; declares nothing.
+
+    Parameters
+    ----------
+    action_space
+        Box(2), or Box(3) where arrival is declared.
+    seed
+        Of its own generator.
+    """
+
+    def __init__(self, action_space: gymnasium.spaces.Box, seed: int = 0) -> None:
+        self._size = action_space.shape[0]
+        self._rng = np.random.default_rng(seed)
+
+    def reset(self) -> None:
+        """Begin an episode."""
+
+    def act(self, observation: Mapping[str, Any]) -> Any:
+        """Return a random action."""
+        action = self._rng.uniform(-1, 1, self._size).astype(np.float32)
+        action[2:] = -1
+        return action
+
+
+class PolicyAgent:
+    """A trained Stable-Baselines3 model; takes its most probable action."""
+
+    def __init__(self, model: Any) -> None:
+        self.model = model
+
+    def reset(self) -> None:
+        """Begin an episode."""
+
+    def act(self, observation: Mapping[str, Any]) -> Any:
+        """Return the model's action."""
+        action, _ = self.model.predict(observation, deterministic=True)
+        return action
+
+
+def check_environment(env_id: str) -> str:
+    """Return a known environment id, or raise `InputError` with the nearest ones."""
+    if env_id not in ENVIRONMENTS:
+        raise InputError(unknown("environment", env_id, ENVIRONMENTS))
+    return env_id
+
+
+def make_agent(name: str, env: gymnasium.Env[Any, Any], seed: int = 0, model: Any = None) -> Agent:
+    """Return the agent ``"scripted"``, ``"random"``, or the policy of a loaded model, for an environment."""
+    base: Any = env.unwrapped
+    if model is not None:
+        for kind in ("observation_space", "action_space"):
+            if getattr(model, kind) != getattr(env, kind):
+                raise InputError(f"{name}: trained on another {kind.replace('_', ' ')} than that of {base.spec.id}")
+        return PolicyAgent(model)
+    if name == "scripted":
+        return ScriptedAgent(base.observation_space, base.action_space, base.semantic_types)
+    return RandomAgent(base.action_space, seed)
+
+
+def load_model(agent: str) -> Any:
+    """Return the trained model behind the name of an agent, None for those that are no files.
+
+    Raises
+    ------
+    InputError
+        If the name is neither a known agent nor the file of a model.
+    """
+    if agent in ("scripted", "random"):
+        return None
+    path = Path(agent)
+    if not path.is_file():
+        if path.suffix == ".zip" or len(path.parts) > 1:
+            raise InputError(f"{path}: no such file, expected a model saved by 'regionslam train'")
+        raise InputError(unknown("agent", agent, ("scripted", "random")))
+    from agents.train import load
+
+    return load(path)
+
+
+def evaluate(
+    env: gymnasium.Env[Any, Any],
+    agent: Agent,
+    episodes: int,
+    seed: int = 0,
+    tell: Callable[[int, Mapping[str, Any]], None] = lambda episode, metrics: None,
+) -> list[dict[str, Any]]:
+    """Run episodes with the seeds ``seed``, ``seed + 1``, ... and return the metrics of each, with `seed` and `steps`.
+
+    Parameters
+    ----------
+    tell
+        Called after each episode with its number and metrics.
+    """
+    results = []
+    for episode in range(episodes):
+        observation, _ = env.reset(seed=seed + episode)
+        agent.reset()
+        done, steps, info = False, 0, {}
+        while not done:
+            observation, _, terminated, truncated, info = env.step(agent.act(observation))
+            done, steps = terminated or truncated, steps + 1
+        metrics = {key: _plain(info[key]) for key in METRICS}
+        results.append({"seed": seed + episode, "steps": steps, **metrics})
+        tell(episode, results[-1])
+    return results
+
+
+def summarize(results: Sequence[Mapping[str, Any]]) -> dict[str, dict[str, float | int | None]]:
+    """Return mean, 95 % confidence interval and number of episodes of every metric, over the episodes that have it.
+
+    Rates (true or false) get Wilson's interval, other metrics the normal one of the mean.
+    """
+    summary: dict[str, dict[str, float | int | None]] = {}
+    for key in ("steps", *METRICS):
+        values = [result[key] for result in results if result.get(key) is not None]
+        if not values:
+            summary[key] = {"mean": None, "low": None, "high": None, "n": 0}
+            continue
+        mean = float(np.mean(values))
+        if all(isinstance(value, bool) for value in values):
+            low, high = wilson(mean, len(values))
+        else:
+            half = Z95 * float(np.std(values, ddof=1)) / math.sqrt(len(values)) if len(values) > 1 else None
+            low, high = (None, None) if half is None else (mean - half, mean + half)
+        summary[key] = {"mean": mean, "low": low, "high": high, "n": len(values)}
+    return summary
+
+
+def wilson(rate: float, n: int) -> tuple[float, float]:
+    """Return Wilson's 95 % interval of a rate seen in n trials (Wilson 1927)."""
+    centre = (rate + Z95**2 / (2 * n)) / (1 + Z95**2 / n)
+    half = Z95 * math.sqrt(rate * (1 - rate) / n + Z95**2 / (4 * n**2)) / (1 + Z95**2 / n)
+    return max(0.0, centre - half), min(1.0, centre + half)
+
+
+def _plain(value: Any) -> Any:
+    return value.item() if isinstance(value, np.generic) else value

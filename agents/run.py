@@ -1,0 +1,166 @@
+"""One mission in words, from start to end: what `regionslam run` does."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+import numpy as np
+
+from agents.recorder import Recorder
+from agents.scripted import ScriptedAgent
+from regionslam_env.config import SEMANTIC_TYPES
+from regionslam_env.missions.language import parse
+from regionslam_env.worlds.loading import load
+from regionslam_env.worlds.world import World
+from slam.storage import replacing, save_map
+
+ENVIRONMENT = "RegionSLAM/GoTo-v0"
+MAX_STEPS = 6000
+MAX_REGIONS = 128
+
+SUMMARY_KEYS = (
+    *("success", "false_arrival", "steps", "path_length", "spl", "ape_max", "ape_end", "collisions", "wall_seconds"),
+    *("mission", "world", "seed"),
+)
+
+
+@dataclass(frozen=True)
+class Moment:
+    """What can be told of a running mission after a step."""
+
+    step: int
+    seconds: float
+    driven: float
+    doing: str
+    place: str
+
+
+@dataclass(frozen=True)
+class RunSettings:
+    """A mission to run.
+
+    Parameters
+    ----------
+    mission
+        In words, e.g. "go to the hallway".
+    world
+        Built-in name or file.
+    seed
+        Of the episode: start, sensor noise and filter.
+    start_distance
+        Geodesic distance of the start from the goal, m; None draws any start.
+    out
+        Folder for `mission.gif`, `map.png`, `map.geojson` and `summary.json`; None writes nothing.
+    localization
+        "slam", "oracle" or "odometry".
+    noise
+        Name of a noise set.
+    """
+
+    mission: str
+    world: str = "institute"
+    seed: int = 0
+    start_distance: float | None = None
+    out: Path | None = None
+    localization: str = "slam"
+    noise: str = "standard"
+
+
+def run_mission(settings: RunSettings, tell: Callable[[Moment], None] = lambda moment: None) -> dict[str, Any]:
+    """Run a mission and return its summary; the same settings give the same summary but for `wall_seconds`.
+
+    Parameters
+    ----------
+    settings
+        What to run.
+    tell
+        Called after every step.
+
+    Raises
+    ------
+    ValueError
+        For a mission, world or option that cannot be used, before anything has been driven or written.
+    """
+    began = time.perf_counter()
+    world = load(settings.world)
+    env = make_environment(settings, world)
+    if settings.out is not None:
+        settings.out.mkdir(parents=True, exist_ok=True)
+    try:
+        observation, _ = env.reset(seed=settings.seed)
+        base: Any = env.unwrapped
+        agent = ScriptedAgent(base.observation_space, base.action_space, base.semantic_types)
+        recorder = Recorder(base, settings.mission) if settings.out is not None else None
+        info: dict[str, Any] = {}
+        done, step = False, 0
+        while not done:
+            action = agent.act(observation)
+            observation, _, terminated, truncated, info = env.step(action)
+            done, step = terminated or truncated, step + 1
+            if recorder is not None:
+                recorder.add(agent.say(), done)
+            tell(_moment(base, agent, step))
+        summary = _summary(settings, info, step, time.perf_counter() - began)
+        if settings.out is not None and recorder is not None:
+            _write(settings.out, recorder, base, summary)
+        return summary
+    finally:
+        env.close()
+
+
+def make_environment(settings: RunSettings, world: World) -> gymnasium.Env[Any, Any]:
+    """Return the environment of a mission; the world's own types may be goals beside the usual ones."""
+    (instruction,) = parse(settings.mission, world.types).instructions
+    types = SEMANTIC_TYPES
+    if instruction.type not in types:
+        types = (*types[:-1], instruction.type, types[-1])
+    return gymnasium.make(
+        ENVIRONMENT,
+        world=world,
+        goal=instruction.type,
+        arrival="declare",
+        start_distance=settings.start_distance,
+        max_steps=MAX_STEPS,
+        max_regions=MAX_REGIONS,
+        semantic_types=types,
+        localization=settings.localization,
+        noise=settings.noise,
+    )
+
+
+def _moment(base: Any, agent: ScriptedAgent, step: int) -> Moment:
+    place = base.belief.map.describe(base.belief.pose_mean) if step % 10 == 1 else ""
+    return Moment(step, step * base.robot.step, base.simulation.path_length, agent.say(), place)
+
+
+def _summary(settings: RunSettings, info: dict[str, Any], steps: int, wall_seconds: float) -> dict[str, Any]:
+    values = {
+        **{key: info[key] for key in SUMMARY_KEYS if key in info},
+        "steps": steps,
+        "wall_seconds": round(wall_seconds, 3),
+        "mission": settings.mission,
+        "world": settings.world,
+        "seed": settings.seed,
+    }
+    return {key: _plain(values[key]) for key in SUMMARY_KEYS}
+
+
+def _plain(value: Any) -> Any:
+    """Return a NumPy scalar as Python's own, for JSON."""
+    return value.item() if isinstance(value, np.generic) else value
+
+
+def _write(out: Path, recorder: Recorder, base: Any, summary: dict[str, Any]) -> None:
+    """Write everything; each file is complete or absent, the summary comes last."""
+    recorder.write_animation(out / "mission.gif")
+    with replacing(out / "map.png") as temporary:
+        recorder.map_picture().save(temporary)
+    save_map(base.belief.map, out / "map.geojson")
+    with replacing(out / "summary.json") as temporary:
+        temporary.write_text(json.dumps(summary, indent=1, allow_nan=False) + "\n", encoding="utf-8")

@@ -1,0 +1,148 @@
+"""Commands about worlds: list, show, import, validate."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections import Counter
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import numpy as np
+import typer
+from rich.table import Table
+
+from agents.console import DONE, InputError, console, print_json
+
+if TYPE_CHECKING:
+    from regionslam_env.worlds.world import World
+    from slam.rows import Row
+
+app = typer.Typer(help="List, show, import and check worlds.", no_args_is_help=True, rich_markup_mode=None)
+
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON object as the last line.")]
+
+
+@app.command("list")
+def list_worlds(json: Json = False) -> int:
+    """List the built-in worlds."""
+    from regionslam_env.worlds.loading import builtin_names, load
+
+    facts = [_facts(load(name)) for name in builtin_names()]
+    table = Table()
+    for heading in ("world", "regions", "doors", "size (m)"):
+        table.add_column(heading, justify="left" if heading == "world" else "right")
+    for world in facts:
+        table.add_row(
+            world["name"], str(world["regions"]), str(world["doors"]), "{:.0f} x {:.0f}".format(*world["size"])
+        )
+    console().print(table)
+    if json:
+        print_json({"worlds": facts})
+    return DONE
+
+
+@app.command()
+def show(
+    world: Annotated[str, typer.Argument(help="A built-in world or the file of one.")],
+    out: Annotated[Path | None, typer.Option(help="Picture to draw (.png).")] = None,
+    json: Json = False,
+) -> int:
+    """Describe a world and draw it."""
+    from regionslam_env.worlds.loading import load
+
+    truth = load(world)
+    facts = _facts(truth)
+    say = console()
+    say.print(
+        "{}: {:.0f} x {:.0f} m, {} regions, {} doors".format(
+            facts["name"], *facts["size"], facts["regions"], facts["doors"]
+        )
+    )
+    say.print(", ".join(f"{count} {kind}" for kind, count in facts["types"].items()))
+    if out is not None:
+        from regionslam_env.rendering import draw_truth
+        from slam.storage import replacing
+
+        if out.suffix.lower() not in (".png", ".jpg", ".webp"):
+            raise InputError(f"{out}: ending {out.suffix!r}, expected a picture, e.g. {out.with_suffix('.png').name}")
+        with replacing(out) as temporary:
+            draw_truth(truth).save(temporary)
+        say.print(f"Drawn: {out}")
+    if json:
+        print_json(facts)
+    return DONE
+
+
+@app.command("import")
+def import_world(
+    file: Annotated[Path, typer.Argument(help="A file that an importer understands.")],
+    out: Annotated[Path | None, typer.Argument(help="The world in our format (.geojson).")] = None,
+    json: Json = False,
+) -> int:
+    """Turn a building's file into our format."""
+    from regionslam_env.worlds.format import save_world
+    from regionslam_env.worlds.loading import load
+
+    target = out or Path(file.stem + ".geojson")
+    if target.suffix.lower() not in (".geojson", ".json"):
+        raise InputError(f"{target}: ending {target.suffix!r}, expected .geojson")
+    world = load(file)
+    save_world(world, target)
+    facts = _facts(world)
+    console().print(f"{file} -> {target}: {facts['regions']} regions, {facts['doors']} doors")
+    if json:
+        print_json({**facts, "file": str(target)})
+    return DONE
+
+
+@app.command()
+def validate(file: Annotated[Path, typer.Argument(help="The file of a world.")], json: Json = False) -> int:
+    """Check a world's file; warn of regions that the robot cannot get to."""
+    from regionslam_env.worlds.loading import load
+
+    world = load(file)
+    unreachable = _unreachable(world)
+    say = console()
+    for name in unreachable:
+        say.print(f"warning: {file}: region {name!r}: out of reach for a robot of 0.2 m radius")
+    say.print(f"{file}: valid")
+    if json:
+        print_json({**_facts(world), "valid": True, "unreachable": unreachable})
+    return DONE
+
+
+def _facts(world: World) -> dict[str, Any]:
+    x0, y0, x1, y1 = world.bounds
+    counts = Counter(region.type for region in world.regions)
+    return {
+        "name": world.name,
+        "regions": len(world.regions),
+        "doors": len(world.doors),
+        "size": [round(x1 - x0, 2), round(y1 - y0, 2)],
+        "types": dict(counts.most_common()),
+    }
+
+
+def _unreachable(world: World) -> list[str]:
+    """Return the ids of the rooms that a robot of 0.2 m radius cannot get into from the floor's largest region."""
+    from regionslam_env.worlds.geodesic import Geodesic
+
+    rooms = [region for region in world.regions if region.parent is None and region.type != "door"]
+    geodesic = Geodesic(world)
+    largest = max(rooms, key=lambda region: region.row.area)
+    start = next((point for point in _points(largest.row) if geodesic.free(*point)), None)
+    if start is None:
+        return [room.id for room in rooms]
+    return [room.id for room in rooms if not math.isfinite(geodesic.distance(start, [room.id]))]
+
+
+def _points(row: Row) -> Iterator[tuple[float, float]]:
+    """Yield points all over a region, its middle first."""
+    yield row.centre
+    for i in range(row.n):
+        for a, b in itertools.product(np.linspace(0.1, 0.9, 9), repeat=2):
+            local = [row.u[i] + a * (row.u[i + 1] - row.u[i]), row.b[i] + b * (row.t[i] - row.b[i])]
+            x, y = row.to_world([local])[0]
+            yield float(x), float(y)
