@@ -2,9 +2,9 @@
 
 Regions are compared by overlap: intersection over union if all edges of the mapped one were seen, over the smaller area
 if some are open, for then its size says nothing. Maps drift, and a door is 0.2 m thick: to decide which is which, a
-mapped region may be shifted by a tolerance. Pairs above a threshold are matched one to one, best first; of equal fits the
-one of the right type counts as better. What is left over is a duplicate if it lies on a place already taken, and spurious
-otherwise. The overlap that is reported is that in place, unshifted.
+mapped region may be shifted by a tolerance. Pairs above a threshold are matched one to one, best first; of equal fits
+the one of the right type counts as better. What is left over is a duplicate if it lies on a place already taken, and
+spurious otherwise. The overlap that is reported is that in place, unshifted.
 """
 
 from __future__ import annotations

@@ -1,0 +1,49 @@
+"""What the robot says about where it is."""
+
+from __future__ import annotations
+
+import pytest
+
+from slam.region import RegionFeature
+from slam.region_map import RegionMap
+from slam.words import called
+
+
+@pytest.mark.parametrize(
+    ("point", "sentence"),
+    [
+        ((5, 1), "I am in the hallway, next to the door leading to the kitchen."),
+        ((5, 0.2), "I am in the hallway, in front of the door leading to the kitchen."),
+        ((11, 1), "I am in the hallway, next to the door leading to office 1."),
+        ((17, 1), "I am in the hallway, next to a door."),  # nobody knows yet where it leads
+        ((8, 1), "I am in the middle of the hallway."),
+        ((19.8, 1), "I am at the end of the hallway."),
+        ((14, 0.3), "I am in the hallway."),
+        ((5, 2), "I am in the door between the kitchen and the hallway."),
+        ((11, 3), "I am in office 1, next to the door leading to the hallway."),
+        ((10.0, 5), "I am in office 1, next to a desk."),
+        ((5, 5), "I am in the kitchen, next to the table."),
+        ((5, 6), "I am in the kitchen, at the table."),
+        ((17, 5), "I am in the middle of office 2."),
+        ((15, 7.5), "I am in office 2."),
+        ((20.9, 1), "I am next to the hallway."),
+        ((30, 30), "I am in a place that I do not know yet."),
+    ],
+)
+def test_describe(drawn: RegionMap, point: tuple[float, float], sentence: str) -> None:
+    assert drawn.describe(point) == sentence
+
+
+def test_names_with_articles(drawn: RegionMap) -> None:
+    assert called(drawn, drawn[20]) == "the kitchen"
+    assert called(drawn, drawn[32]) == "office 2"
+
+
+def test_an_empty_map_has_words_too() -> None:
+    assert RegionMap().describe((0, 0, 0)) == "I am in a place that I do not know yet."
+
+
+def test_rooms_without_doors_are_next_to_each_other() -> None:
+    kitchen = RegionFeature(1, "kitchen", 0.0, 0, 0, 6, 6, 0.0, neighbours={"r": {2: 2.0}})
+    lobby = RegionFeature(2, "lobby", 0.0, 6, 0, 6, 6, 0.0)
+    assert RegionMap([kitchen, lobby]).describe((2.5, 0)) == "I am in the kitchen, next to the lobby."
