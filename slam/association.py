@@ -1,11 +1,14 @@
 """Data association with unknown correspondence (Montemerlo & Thrun 2003), per particle.
 
-Every measurement is compared with every region nearby. Pairs below the gate are candidates: the most likely ones of the same
-type are associated, each region and each measurement once. A measurement that fits nothing is new; one that fits half is used
-for neither, so that it spoils no region and makes no duplicate. Candidates of any type are *relevant* in the sense of eq. (8).
+Every measurement is compared with every region nearby. Pairs below the gate are candidates: the most likely ones of
+the same type are associated, each region and each measurement once. A measurement that fits nothing is new; one that
+fits half is used for neither, so that it spoils no region and makes no duplicate. Candidates of any type are
+*relevant* in the sense of eq. (8).
 """
 
 from __future__ import annotations
+
+from typing import Any
 
 import numpy as np
 
@@ -19,12 +22,13 @@ from slam.innovation import (
     n_closed,
     workspace,
 )
-from slam.jit import njit
+from slam.jit import Array, Record, njit
+from slam.region import b_index, u_index
 
 ASSOCIATION = np.dtype(
     (np.record, [("slot", np.int32), ("turn", np.int32), ("turn_map", np.int32), ("offset", np.int32)])
 )
-"""What a measurement is to a particle: a slot (or NEW, AMBIGUOUS), quarter turns of z and of m, offset of their rows."""
+"""What a measurement is to a particle: a slot (or NEW, AMBIGUOUS), quarter turns of z and m, offset of their rows."""
 
 NEW, AMBIGUOUS = -1, -2
 
@@ -47,9 +51,20 @@ CANDIDATE = np.dtype(
 
 CANDIDATES_PER_MEASUREMENT = 12
 
+MARGIN = 1.0
+"""Distance (m) beyond which regions that do not touch are not compared."""
+
 
 @njit
-def associate(particles, regions, measured, p, associations, candidates, n_candidates):
+def associate(
+    particles: Array,
+    regions: Array,
+    measured: Array,
+    p: Record,
+    associations: Array,
+    candidates: Array,
+    n_candidates: Array,
+) -> None:
     """Associate all measurements for every particle.
 
     `measured` (M, 4) holds the equivalent descriptions, `associations` (P, M) and `candidates` (P, ...) are written.
@@ -57,13 +72,21 @@ def associate(particles, regions, measured, p, associations, candidates, n_candi
     work = workspace()
     turned = np.zeros_like(measured[:1, 0])
     near = np.zeros(regions.shape[1], np.int32)
+    circles = bounding_circles(measured)
     for i in range(len(particles)):
         n_near = find_near(particles[i], regions[i], measured, near)
+        pose = particles[i].pose
+        c, s = np.cos(pose[2]), np.sin(pose[2])
+        margin = MARGIN + 5.0 * np.sqrt(particles[i].cov[0, 0] + particles[i].cov[1, 1])
         n = 0
         for z in range(len(measured)):
+            x = pose[0] + c * circles[z, 0] - s * circles[z, 1]
+            y = pose[1] + s * circles[z, 0] + c * circles[z, 1]
             for j in range(n_near):
-                if n < candidates.shape[1]:
-                    m = regions[i, near[j]]
+                m = regions[i, near[j]]
+                dx, dy = m.anchor[0] - x, m.anchor[1] - y
+                reach = m.radius + circles[z, 2] + margin
+                if dx * dx + dy * dy < reach * reach and n < candidates.shape[1]:
                     found = compare(measured[z], m, particles[i], p, work, turned[0], candidates[i, n])
                     if found:
                         candidates[i, n].z, candidates[i, n].slot = z, near[j]
@@ -73,7 +96,24 @@ def associate(particles, regions, measured, p, associations, candidates, n_candi
 
 
 @njit
-def find_near(particle, regions, measured, near):
+def bounding_circles(measured: Array) -> Any:
+    """Return centre (robot frame) and radius of a circle about every measurement, shape (M, 3), m."""
+    circles = np.zeros((len(measured), 3))
+    for i in range(len(measured)):
+        z = measured[i, 0]
+        u0, u1 = z.state[u_index(0)], z.state[u_index(z.n)]
+        v0, v1 = z.state[b_index(0)], z.state[b_index(0) + 1]
+        for k in range(1, z.n):
+            v0, v1 = min(v0, z.state[b_index(k)]), max(v1, z.state[b_index(k) + 1])
+        u, v = (u0 + u1) / 2, (v0 + v1) / 2
+        c, s = np.cos(z.state[0]), np.sin(z.state[0])
+        circles[i, 0], circles[i, 1] = c * u - s * v, s * u + c * v
+        circles[i, 2] = np.sqrt((u1 - u0) ** 2 + (v1 - v0) ** 2) / 2
+    return circles
+
+
+@njit
+def find_near(particle: Record, regions: Array, measured: Array, near: Array) -> Any:
     """List the slots whose bounding circle the scan can touch; return their number."""
     reach = 0.0
     for z in range(len(measured)):
@@ -92,8 +132,10 @@ def find_near(particle, regions, measured, near):
 
 
 @njit
-def compare(descriptions, m, particle, p, work, turned, out):
-    """Find the best equivalent and alignment of a measurement with a region; write it and say whether it is in the gate.
+def compare(
+    descriptions: Record, m: Record, particle: Record, p: Record, work: Record, turned: Record, out: Record
+) -> bool:
+    """Write the best equivalent and alignment of a measurement with a region; say whether it is in the gate.
 
     The likelihood of closed edges decides; midpoints never do, for a partial view moves them.
     """
@@ -135,7 +177,7 @@ def compare(descriptions, m, particle, p, work, turned, out):
 
 
 @njit
-def assign(candidates, associations, n_measurements, n_slots, p):
+def assign(candidates: Array, associations: Array, n_measurements: int, n_slots: int, p: Record) -> None:
     """Give each measurement the region that explains it best, each region once, the most likely pairs first."""
     for z in range(n_measurements):
         associations[z].slot = NEW

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from slam.extent import probabilities_inside
-from slam.jit import njit
+from slam.jit import Array, njit
 from slam.paper_form import to_features
 from slam.region_map import RegionMap
 from slam.rows import Floats
@@ -22,8 +23,8 @@ class Belief:
     Attributes
     ----------
     pose_mean, pose_cov
-        Mean (x, y, theta), m and rad in the map frame, and covariance (3, 3) of the mixture of all particles: each one's own
-        proposal covariance and the spread between them.
+        Mean (x, y, theta), m and rad in the map frame, and covariance (3, 3) of the mixture of all particles: each
+        one's own proposal covariance and the spread between them.
     ess
         Effective sample size, 1 to the number of particles.
     pose
@@ -51,7 +52,7 @@ class Belief:
         return RegionMap(to_features(self.features, self.links, self.types, self.confirmed_after))
 
     def where(self) -> dict[int, float]:
-        """Return P(robot in region) by region id over all particles: the semantic pose; regions below 0.001 are left out."""
+        """Return P(robot in region) by region id over all particles, the semantic pose; below 0.001 it is left out."""
         total: dict[int, float] = {}
         for particle, regions in zip(self.particles, self.regions, strict=True):
             inside = np.empty(int(particle.n_slots))
@@ -65,7 +66,7 @@ class Belief:
 
 
 @njit
-def moments(particles, mean, cov):
+def moments(particles: Array, mean: Array, cov: Array) -> Any:
     """Write mean and covariance of the mixture of the particles' proposals; return the index of the heaviest."""
     heaviest = 0
     x, y, c, s = 0.0, 0.0, 0.0, 0.0

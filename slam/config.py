@@ -22,10 +22,11 @@ class SlamConfig:
     motion_noise, measurement_noise
         What the filter believes of odometry, and of measurements that do not tell their own noise.
     sensor_range
-        Range of the region sensor, m. Its inverse is the reference density of an edge that a hypothesis does not explain.
+        Range of the region sensor, m. Its inverse is the reference density of an edge that a hypothesis does not
+        explain.
     gate_associate, gate_new
-        Squared Mahalanobis distances: below the first a measurement may be associated, above the second it is a new region,
-        in between it is used for neither (Montemerlo & Thrun 2003). Wide, because particles are overconfident.
+        Squared Mahalanobis distances: below the first a measurement may be associated, above the second it is a new
+        region, in between it is used for neither (Montemerlo & Thrun 2003). Wide, because particles are overconfident.
     resample_below
         Resample when the effective sample size falls below this share of the particles.
     prior_type, prior_link, prior_child
@@ -64,7 +65,8 @@ class SlamConfig:
                 raise ValueError(f"{name} is {value!r}, expected a probability between 0 and 1")
         if not 0 < self.gate_associate <= self.gate_new:
             raise ValueError(
-                f"gate_associate is {self.gate_associate!r} and gate_new {self.gate_new!r}, expected 0 < associate <= new"
+                f"gate_associate is {self.gate_associate!r} and gate_new {self.gate_new!r}, "
+                "expected 0 < gate_associate <= gate_new"
             )
         if not (np.isfinite(self.sensor_range) and self.sensor_range > 0):
             raise ValueError(f"sensor_range is {self.sensor_range!r}, expected a length above 0 m")

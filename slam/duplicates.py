@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from slam.association import CANDIDATE, compare, find_near
@@ -9,7 +11,7 @@ from slam.edge_form import turn
 from slam.extent import area, contains, point_in_rectangle
 from slam.geometric_update import fuse, take_row
 from slam.innovation import workspace
-from slam.jit import njit
+from slam.jit import Array, Record, njit
 from slam.particles import PARTICLE
 from slam.region import MAX_STATE, REGION
 
@@ -18,7 +20,16 @@ MARGIN = 0.3
 
 
 @njit
-def resolve_duplicates(particles, regions, measured, associations, p, scratch, candidate, stand):
+def resolve_duplicates(
+    particles: Array,
+    regions: Array,
+    measured: Array,
+    associations: Array,
+    p: Record,
+    scratch: Record,
+    candidate: Record,
+    stand: Record,
+) -> None:
     """Compare every region just measured with its neighbours; merge twins, rank rivals, drop outdone hypotheses."""
     work = workspace()
     near = np.zeros(regions.shape[1], np.int32)
@@ -60,7 +71,7 @@ def resolve_duplicates(particles, regions, measured, associations, p, scratch, c
 
 
 @njit
-def share_place(a, b):
+def share_place(a: Record, b: Record) -> Any:
     """Say whether the centre of either main rectangle lies in the other region."""
     dx, dy = a.anchor[0] - b.anchor[0], a.anchor[1] - b.anchor[1]
     reach = a.radius + b.radius
@@ -74,8 +85,8 @@ def share_place(a, b):
 
 
 @njit
-def rank(regions, i, j):
-    """Mark the less credible of two hypotheses for one place as outdone by the other; regions of unlike size are no rivals."""
+def rank(regions: Array, i: int, j: int) -> None:
+    """Mark the less credible of two hypotheses for one place; regions of unlike size are no rivals."""
     a, b = regions[i], regions[j]
     size_a, size_b = area(a), area(b)
     if min(size_a, size_b) < 0.5 * max(size_a, size_b):
@@ -91,10 +102,13 @@ def rank(regions, i, j):
 
 
 @njit
-def merge(younger, older, p, work, descriptions, candidate, stand):
+def merge(
+    younger: Record, older: Record, p: Record, work: Record, descriptions: Record, candidate: Record, stand: Record
+) -> bool:
     """Fuse a region into an older one of its type where both can be one place; say whether they could.
 
-    Given the trajectory the two estimates are independent, so the younger one is taken as a measurement made from its anchor.
+    Given the trajectory the two estimates are independent, so the younger one is taken as a measurement made from its
+    anchor.
     """
     stand.pose[0], stand.pose[1], stand.pose[2] = younger.anchor[0], younger.anchor[1], 0.0
     for quarters in range(4):

@@ -1,6 +1,7 @@
 """Conversion between the paper's parameters (Fig. 1) and edge positions, and the equivalent descriptions of a row.
 
-With c, s = cos phi, sin phi of a measurement in the robot's frame, its edges are lines at signed distances from the robot::
+With c, s = cos phi, sin phi of a measurement in the robot's frame, its edges are lines at signed distances from the
+robot::
 
     u = x c + y s -+ w / 2        v = -x s + y c -+ h / 2
 
@@ -10,9 +11,11 @@ phi and the edges correlated, and the joint covariance G Q G^T keeps it.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
-from slam.jit import njit
+from slam.jit import Array, Record, njit
 from slam.region import MAX_STATE, REGION, b_index, u_index
 
 FLAT_VARIANCE = 1e4
@@ -20,13 +23,13 @@ FLAT_VARIANCE = 1e4
 
 
 @njit
-def state_size(n):
+def state_size(n: int) -> Any:
     """Return the length of the state vector of n rectangles."""
     return 2 + 3 * n
 
 
 @njit
-def to_edge_form(z, out):
+def to_edge_form(z: Record, out: Record) -> None:
     """Write a `MEASUREMENT` into a `REGION` in edge form, anchored at the robot."""
     c, s = np.cos(z.phi), np.sin(z.phi)
     mid_u, mid_v = z.x * c + z.y * s, -z.x * s + z.y * c
@@ -72,7 +75,7 @@ def to_edge_form(z, out):
 
 
 @njit
-def _covariance(z, jacobian, size, cov):
+def _covariance(z: Record, jacobian: Array, size: int, cov: Array) -> None:
     """Write G Q G^T, with Q the block-diagonal covariance of the paper's parameters."""
     q = np.zeros((MAX_STATE, MAX_STATE))
     q[0, 0], q[0, 1], q[1, 0], q[1, 1] = z.cov_xy[0, 0], z.cov_xy[0, 1], z.cov_xy[1, 0], z.cov_xy[1, 1]
@@ -102,7 +105,7 @@ def _covariance(z, jacobian, size, cov):
 
 
 @njit
-def bounding_radius(region):
+def bounding_radius(region: Record) -> Any:
     """Return the radius (m) of a circle about the anchor that holds the whole row."""
     along = max(abs(region.state[u_index(0)]), abs(region.state[u_index(region.n)]))
     across = 0.0
@@ -113,11 +116,12 @@ def bounding_radius(region):
 
 
 @njit
-def turn(region, quarters, out):
+def turn(region: Record, quarters: int, out: Record) -> None:
     """Write the equivalent description that is turned by `quarters` times 90 degrees.
 
     A half turn reverses the row. A quarter turn exists for a single rectangle only; a longer row gives ``out.n = 0``.
-    The first axis turns with phi: after a quarter turn the new u edges are the old v edges, the new v edges minus the old u.
+    The first axis turns with phi: after a quarter turn the new u edges are the old v edges, the new v edges minus the
+    old u.
     """
     n = region.n
     quarters = quarters % 4
@@ -155,7 +159,7 @@ def turn(region, quarters, out):
 
 
 @njit
-def observe(records, type_numbers, out):
+def observe(records: Array, type_numbers: Array, out: Record) -> None:
     """Write every measurement in its four equivalent descriptions, `out` (M, 4) of `REGION`: quarter turns in order.
 
     `type_numbers` translates the scan's types into the filter's.

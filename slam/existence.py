@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from slam.association import find_near
 from slam.extent import contains, point_in_rectangle
-from slam.jit import njit
+from slam.jit import Array, Record, njit
 from slam.view import is_in_view
 
 LEAST_SHARE = 0.6
@@ -20,7 +22,16 @@ VIEW_MARGIN = 0.3
 
 
 @njit
-def update_existence(particles, regions, measured, associations, candidates, n_candidates, view, p):
+def update_existence(
+    particles: Array,
+    regions: Array,
+    measured: Array,
+    associations: Array,
+    candidates: Array,
+    n_candidates: Array,
+    view: Array,
+    p: Record,
+) -> None:
     """Update the existence of every region nearby, drop those that ceased to be credible, and note those visited.
 
     A region that fits some measurement of any type is explained; only a place seen empty counts against it.
@@ -48,7 +59,7 @@ def update_existence(particles, regions, measured, associations, candidates, n_c
 
 
 @njit
-def is_expected(m, pose, view, sensor_range):
+def is_expected(m: Record, pose: Array, view: Array, sensor_range: float) -> bool:
     """Say whether a sensor at `pose` with this view should have measured the region."""
     c, s = np.cos(pose[2]), np.sin(pose[2])
     seen, total = 0, 0

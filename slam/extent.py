@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
-from slam.jit import njit
+from slam.jit import Array, Record, njit
 from slam.region import b_index, u_index
 
 
 @njit
-def to_row(region, x, y):
+def to_row(region: Record, x: float, y: float) -> Any:
     """Return a point of the map frame in the row's frame."""
     c, s = np.cos(region.state[0]), np.sin(region.state[0])
     dx, dy = x - region.anchor[0], y - region.anchor[1]
@@ -19,7 +20,7 @@ def to_row(region, x, y):
 
 
 @njit
-def contains(region, x, y, margin):
+def contains(region: Record, x: float, y: float, margin: float) -> bool:
     """Say whether a point of the map frame lies in the row grown by `margin` m."""
     u, v = to_row(region, x, y)
     for i in range(region.n):
@@ -33,7 +34,7 @@ def contains(region, x, y, margin):
 
 
 @njit
-def area(region):
+def area(region: Record) -> Any:
     """Return the area, m²."""
     total = 0.0
     for i in range(region.n):
@@ -43,7 +44,7 @@ def area(region):
 
 
 @njit
-def point_in_rectangle(region, i, along, across):
+def point_in_rectangle(region: Record, i: int, along: float, across: float) -> Any:
     """Return the point of the map frame at shares (along, across) in [0, 1] of rectangle i."""
     k = b_index(i)
     u = region.state[u_index(i)] * (1 - along) + region.state[u_index(i + 1)] * along
@@ -53,7 +54,7 @@ def point_in_rectangle(region, i, along, across):
 
 
 @njit
-def probability_inside(region, pose, cov):
+def probability_inside(region: Record, pose: Array, cov: Array) -> Any:
     """Return P(robot in region) for a Gaussian pose with mean (3,) and covariance (3, 3), edges taken at their means.
 
     Along each axis of the row the position is normal; the axes are taken as independent.
@@ -75,7 +76,7 @@ def probability_inside(region, pose, cov):
 
 
 @njit
-def probabilities_inside(regions, pose, cov, confirmed_after, out):
+def probabilities_inside(regions: Array, pose: Array, cov: Array, confirmed_after: int, out: Record) -> None:
     """Write P(robot in region) for every slot, shape (S,); zero for free, tentative and outdone ones."""
     for i in range(len(regions)):
         m = regions[i]

@@ -133,7 +133,7 @@ class RegionSLAM:
         )
 
     def _observe(self, scan: Scan) -> NDArray[np.void]:
-        """Return the scan in edge form, shape (M, 4), all equivalent descriptions, with the filter's own type numbers."""
+        """Return the scan in edge form, shape (M, 4): all equivalent descriptions, with the filter's type numbers."""
         measured = np.zeros((len(scan), 4), REGION)
         observe(scan.records, self._type_numbers(scan.types), measured)
         return measured

@@ -1,19 +1,21 @@
 """Geometric update of the mapped regions from drawn poses (Oberländer et al. 2008, section II-C.1, in edge form).
 
-Closed edges of the measurement observe closed edges of the region directly: one joint Kalman update of phi and all edges.
-An open edge of the region is a bound. Any edge of the measurement beyond it pushes it outwards, the paper's expansion
-(1)–(2), but only by a lower confidence bound, or noise would push it for ever. The first closed observation sets it from
-a flat prior. An edge that is open in the measurement says nothing about a closed one.
+Closed edges of the measurement observe closed edges of the region directly: one joint Kalman update of phi and all
+edges. An open edge of the region is a bound. Any edge of the measurement beyond it pushes it outwards, the paper's
+expansion (1)–(2), but only by a lower confidence bound, or noise would push it for ever. The first closed observation
+sets it from a flat prior. An edge that is open in the measurement says nothing about a closed one.
 """
 
 from __future__ import annotations
+
+from typing import Any
 
 import numpy as np
 
 from slam.association import NEW
 from slam.edge_form import FLAT_VARIANCE, bounding_radius, state_size, turn
 from slam.innovation import SLACK, condition, correspond, innovate, workspace
-from slam.jit import njit
+from slam.jit import Array, Record, njit
 from slam.particles import free_slot
 from slam.region import b_index, u_index
 
@@ -22,7 +24,9 @@ PUSH_SIGMAS = 1.0
 
 
 @njit
-def update_geometry(particles, regions, measured, associations, scan_number, p):
+def update_geometry(
+    particles: Array, regions: Array, measured: Array, associations: Array, scan_number: int, p: Record
+) -> None:
     """Update every associated region and add the new ones; a new region's slot goes into `associations`."""
     work = workspace()
     turned = np.zeros_like(measured[:1, 0])
@@ -49,7 +53,7 @@ def update_geometry(particles, regions, measured, associations, scan_number, p):
 
 
 @njit
-def take_row(source, m):
+def take_row(source: Record, m: Record) -> None:
     """Copy another description of the same place into a region."""
     m.n, m.main, m.radius = source.n, source.main, source.radius
     m.anchor[:] = source.anchor
@@ -59,7 +63,7 @@ def take_row(source, m):
 
 
 @njit
-def start(z, pose, m, p):
+def start(z: Record, pose: Array, m: Record, p: Record) -> None:
     """Begin a region at a measurement: anchor at the middle of the main rectangle, edges relative to it."""
     take_row(z, m)
     k, i = u_index(z.main), b_index(z.main)
@@ -95,7 +99,7 @@ def start(z, pose, m, p):
 
 
 @njit
-def outward_of(m, k):
+def outward_of(m: Record, k: int) -> Any:
     """Return the outward direction (-1 or 1) of an outer edge by its place k in the state vector."""
     if k == u_index(m.n):
         return 1
@@ -103,7 +107,7 @@ def outward_of(m, k):
 
 
 @njit
-def fuse(z, m, offset, pose, work):
+def fuse(z: Record, m: Record, offset: int, pose: Array, work: Record) -> None:
     """Update region m with row z, seen from a certain pose with rectangle j of z being rectangle j + offset of m."""
     offset = grow(z, m, offset)
     settle_open_edges(z, m, offset, pose)
@@ -120,7 +124,7 @@ def fuse(z, m, offset, pose, work):
 
 
 @njit
-def grow(z, m, offset):
+def grow(z: Record, m: Record, offset: int) -> Any:
     """Give m the rectangles that only z has; return the new offset. The middle one of three becomes the main one."""
     while offset < 0:
         shift_right(m)
@@ -134,7 +138,7 @@ def grow(z, m, offset):
 
 
 @njit
-def shift_right(m):
+def shift_right(m: Record) -> None:
     """Make room for a rectangle at the left end of a row: every edge moves up by one rectangle."""
     for k in range(m.n, -1, -1):
         move_state(m, u_index(k), u_index(k + 1))
@@ -147,7 +151,7 @@ def shift_right(m):
 
 
 @njit
-def bare_rectangle(m, i, end, joint):
+def bare_rectangle(m: Record, i: int, end: Record, joint: Record) -> None:
     """Make rectangle i one of which nothing is known but the joint: the tightest bounds, which any view pushes out."""
     for k in (end, b_index(i), b_index(i) + 1):
         forget_edge(m, k)
@@ -156,7 +160,7 @@ def bare_rectangle(m, i, end, joint):
 
 
 @njit
-def move_state(m, source, target):
+def move_state(m: Record, source: Record, target: int) -> None:
     """Move one entry of the state with its row and column of the covariance."""
     m.state[target], m.closed[target] = m.state[source], m.closed[source]
     size = len(m.state)
@@ -169,7 +173,7 @@ def move_state(m, source, target):
 
 
 @njit
-def forget_edge(m, k):
+def forget_edge(m: Record, k: int) -> None:
     """Make an edge open and independent of everything else, with a flat variance."""
     m.closed[k] = 0
     for a in range(len(m.state)):
@@ -178,7 +182,7 @@ def forget_edge(m, k):
 
 
 @njit
-def settle_open_edges(z, m, offset, pose):
+def settle_open_edges(z: Record, m: Record, offset: int, pose: Array) -> None:
     """Push the open edges of m out to z, and open a flat prior for those that z has closed."""
     c, s = np.cos(m.state[0]), np.sin(m.state[0])
     dx, dy = m.anchor[0] - pose[0], m.anchor[1] - pose[1]
@@ -192,7 +196,7 @@ def settle_open_edges(z, m, offset, pose):
 
 
 @njit
-def settle(z, m, i, j, shift, outward):
+def settle(z: Record, m: Record, i: int, j: int, shift: float, outward: int) -> None:
     """Settle one edge: j of m, i of z."""
     if m.closed[j]:
         return
@@ -209,7 +213,7 @@ def settle(z, m, i, j, shift, outward):
 
 
 @njit
-def keep_order(m):
+def keep_order(m: Record) -> None:
     """Keep open edges from crossing closed ones, which updates of the closed ones could bring about."""
     least = 0.01
     for k in range(m.n):

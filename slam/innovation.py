@@ -4,21 +4,21 @@ Both are rows of lines. From pose (x, y, theta) a mapped edge at e along normal 
 
     rho = n . (a - p) + e        d rho / d p = -n     d rho / d theta = 0     d rho / d phi = lever
 
-and the heading at phi - theta. The differences rho_z - rho are the d_x, d_y that the paper averages; kept apart, each with
-its own variance, they use the correlations between edges, and (23) is the special case of equal weights. An edge that is
-open in either region gives no row, for a zero would claim perfect agreement.
+and the heading at phi - theta. The differences rho_z - rho are the d_x, d_y that the paper averages; kept apart, each
+with its own variance, they use the correlations between edges, and (23) is the special case of equal weights. An edge
+that is open in either region gives no row, for a zero would claim perfect agreement.
 
 A row of the correspondence holds: index in z, index in m, residual, lever (d rho / d phi of m), and -d r / d (x, y).
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from slam.edge_form import state_size
-from slam.jit import njit
+from slam.jit import Array, Record, njit
 from slam.region import MAX_STATE, b_index, u_index
 
 SLACK = 0.1**2
@@ -38,7 +38,7 @@ class Workspace(NamedTuple):
 
 
 @njit
-def workspace():
+def workspace() -> Any:
     """Return fresh scratch arrays."""
     n = MAX_STATE
     return Workspace(
@@ -53,13 +53,13 @@ def workspace():
 
 
 @njit
-def wrap(angle):
+def wrap(angle: float) -> Any:
     """Return the angle in [-pi, pi)."""
     return (angle + np.pi) % (2 * np.pi) - np.pi
 
 
 @njit
-def is_admissible(z, m, offset):
+def is_admissible(z: Record, m: Record, offset: int) -> Any:
     """Say whether rectangle j of z can be rectangle j + offset of m (section II-C).
 
     No closed end of one may meet a further rectangle of the other, and the union has at most three rectangles.
@@ -75,11 +75,11 @@ def is_admissible(z, m, offset):
 
 
 @njit
-def correspond(z, m, offset, pose, slack, work, early_exit):
+def correspond(z: Record, m: Record, offset: int, pose: Array, slack: float, work: Record, early_exit: float) -> Any:
     """Fill the rows of all edges that are closed in both; return their number and the squared violation of bounds.
 
-    `slack` is a variance (m²) granted to every edge on top of its own. `early_exit`: give up (-1 rows) once a single row
-    alone exceeds this squared Mahalanobis distance.
+    `slack` is a variance (m²) granted to every edge on top of its own. `early_exit`: give up (-1 rows) once a single
+    row alone exceeds this squared Mahalanobis distance.
     """
     phi = m.state[0]
     c, s = np.cos(phi), np.sin(phi)
@@ -128,7 +128,7 @@ def correspond(z, m, offset, pose, slack, work, early_exit):
 
 
 @njit
-def _outward(z, m, k, offset):
+def _outward(z: Record, m: Record, k: int, offset: int) -> Any:
     """Return the outward direction (-1 or 1) of a boundary that is open in z or m."""
     open_in_z = z.closed[u_index(k - offset)] == 0
     if open_in_z:
@@ -137,7 +137,7 @@ def _outward(z, m, k, offset):
 
 
 @njit
-def _beyond(z, m, i, j, r, outward, slack):
+def _beyond(z: Record, m: Record, i: int, j: int, r: float, outward: int, slack: float) -> Any:
     """Return the squared, normalised distance by which an open edge reaches beyond the other's closed one."""
     if z.closed[i] == m.closed[j]:
         return 0.0
@@ -150,7 +150,7 @@ def _beyond(z, m, i, j, r, outward, slack):
 
 
 @njit
-def innovate(z, m, rows, pose_cov, work):
+def innovate(z: Record, m: Record, rows: int, pose_cov: Array, work: Record) -> Any:
     """Turn the rows into a whitened innovation: S = L L^T, y = L^-1 r; return (y . y, log det S).
 
     S = H_x P H_x^T + H_m C H_m^T + R with the joint covariances of pose, mapped region and measurement.
@@ -187,7 +187,7 @@ def innovate(z, m, rows, pose_cov, work):
 
 
 @njit
-def condition(mean, cov, size, rows, work):
+def condition(mean: Array, cov: Array, size: int, rows: int, work: Record) -> None:
     """Kalman update of a Gaussian in place, `work.gain[:rows, :size]` holding H C: eqs. (3)–(6) by Cholesky factors."""
     gain = work.gain
     for i in range(rows):
@@ -208,7 +208,7 @@ def condition(mean, cov, size, rows, work):
 
 
 @njit
-def n_closed(region):
+def n_closed(region: Record) -> Any:
     """Return the number of rows a region's measurement could give at most: its heading and closed edges."""
     total = 0
     for i in range(state_size(region.n)):
@@ -217,6 +217,6 @@ def n_closed(region):
 
 
 @njit
-def log_likelihood(distance, log_det, rows, possible, log_reference):
+def log_likelihood(distance: float, log_det: float, rows: int, possible: int, log_reference: float) -> Any:
     """Return log N(r; 0, S), with the reference density for each row that the hypothesis leaves unexplained."""
     return -0.5 * (distance + log_det + rows * np.log(2 * np.pi)) + (possible - rows) * log_reference

@@ -15,6 +15,13 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import numba
+from numpy.typing import NDArray
+
+Array = NDArray[Any]
+"""An array in a kernel's signature."""
+
+Record = Any
+"""One record of a structured array, or a workspace, in a kernel's signature."""
 
 F = TypeVar("F", bound=Callable[..., Any])
 

@@ -118,8 +118,8 @@ class Scan:
     measurements
         The measured regions.
     view
-        Visible polygon in the robot's frame, shape (k, 2), m, counter-clockwise and star-shaped about the robot: what lies
-        inside and was not measured is evidence against a region. None: no such evidence.
+        Visible polygon in the robot's frame, shape (k, 2), m, counter-clockwise and star-shaped about the robot: what
+        lies inside and was not measured is evidence against a region. None: no such evidence.
     noise
         Noise of measurements that do not tell their own.
     """
@@ -148,7 +148,7 @@ class Scan:
         links: NDArray[np.void] | None = None,
         view: NDArray[np.float64] | None = None,
     ) -> Scan:
-        """Wrap arrays of `MEASUREMENT` and `LINK` as they are: the sensors' fast way in, nothing is checked or copied."""
+        """Wrap arrays of `MEASUREMENT` and `LINK` as they are, unchecked and uncopied: the fast way in."""
         scan = cls.__new__(cls)
         scan.types, scan.records, scan.view = types, records, view
         scan.links = np.zeros(0, LINK) if links is None else links

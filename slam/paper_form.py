@@ -21,7 +21,8 @@ def row_of(region: np.record) -> Row:
     u = [mean[u_index(k)] for k in range(n + 1)]
     b = [mean[b_index(i)] for i in range(n)]
     t = [mean[b_index(i) + 1] for i in range(n)]
-    return Row(*region.anchor, float(mean[0]), np.array(u), np.array(b), np.array(t), int(region.main))
+    x, y = region.anchor
+    return Row(float(x), float(y), float(mean[0]), np.array(u), np.array(b), np.array(t), int(region.main))
 
 
 def to_feature(region: np.record, types: Sequence[str]) -> RegionFeature:

@@ -1,17 +1,19 @@
 """The particle set: poses, weights, and one region map each.
 
-Three record arrays hold everything: `particles` (P,), `regions` (P, slots) and `links` (P, link slots). A region keeps its
-slot while it lives; `n == 0` marks a free slot. Links are singly linked lists that start at `regions[p, slot].first_link`.
+Three record arrays hold everything: `particles` (P,), `regions` (P, slots) and `links` (P, link slots). A region
+keeps its slot while it lives; `n == 0` marks a free slot. Links are singly linked lists that start at `regions[p,
+slot].first_link`.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from slam.jit import njit
+from slam.jit import Array, Record, njit
 from slam.region import REGION
 
 PARTICLE = np.dtype(
@@ -87,7 +89,7 @@ def _grown(array: NDArray[np.void], needed: int) -> NDArray[np.void]:
 
 
 @njit
-def gather(particles, regions, links, ancestors):
+def gather(particles: Array, regions: Array, links: Array, ancestors: Array) -> None:
     """Copy every particle's ancestor into its place.
 
     A slot whose particle survives keeps its own state, so that nothing is overwritten before it is read: sources are
@@ -111,7 +113,7 @@ def gather(particles, regions, links, ancestors):
 
 
 @njit
-def free_slot(particle, regions):
+def free_slot(particle: Record, regions: Array) -> Any:
     """Return the first free slot of a particle's map and count it in; the caller has made room."""
     for slot in range(particle.n_slots):
         if regions[slot].n == 0:

@@ -1,21 +1,31 @@
 """Motion, and the pose proposal of FastSLAM 2.0 (Montemerlo et al. 2003).
 
-Between two scans a particle keeps the motion as a Gaussian. The scan's associated measurements condition it; the pose is then
-*drawn* from the result. In edge form the innovation is linear in the pose, so the proposal is exact for given regions, and the
-product of the innovations' densities is the particle's importance weight: p(z_t | x^{t-1}, z^{t-1}).
+Between two scans a particle keeps the motion as a Gaussian. The scan's associated measurements condition it; the pose
+is then *drawn* from the result. In edge form the innovation is linear in the pose, so the proposal is exact for given
+regions, and the product of the innovations' densities is the particle's importance weight: p(z_t | x^{t-1}, z^{t-1}).
 """
 
 from __future__ import annotations
+
+from typing import Any
 
 import numpy as np
 
 from slam.edge_form import turn
 from slam.innovation import SLACK, condition, correspond, innovate, log_likelihood, n_closed, workspace, wrap
-from slam.jit import njit
+from slam.jit import Array, Record, njit
 
 
 @njit
-def predict(particles, distance, lateral, rotation, noise_distance, noise_per_metre, noise_per_radian):
+def predict(
+    particles: Array,
+    distance: float,
+    lateral: float,
+    rotation: float,
+    noise_distance: float,
+    noise_per_metre: float,
+    noise_per_radian: float,
+) -> None:
     """Move every particle by odometry (in the robot's frame at its start) and let its covariance grow."""
     driven = np.sqrt(distance * distance + lateral * lateral)
     var_distance = noise_distance * driven
@@ -43,7 +53,7 @@ def predict(particles, distance, lateral, rotation, noise_distance, noise_per_me
 
 
 @njit
-def propose(particles, regions, measured, associations, p):
+def propose(particles: Array, regions: Array, measured: Array, associations: Array, p: Record) -> None:
     """Condition every particle's motion on its associated measurements and weigh it.
 
     A measurement without region counts with the reference density, so that particles that explain more weigh more.
@@ -79,7 +89,7 @@ def propose(particles, regions, measured, associations, p):
 
 
 @njit
-def draw(particles, normals):
+def draw(particles: Array, normals: Array) -> None:
     """Draw every pose from its proposal with standard normal numbers, shape (P, 3); the pose is certain afterwards."""
     for i in range(len(particles)):
         pose, cov = particles[i].pose, particles[i].cov
@@ -96,7 +106,7 @@ def draw(particles, normals):
 
 
 @njit
-def place(particles, pose):
+def place(particles: Array, pose: Array) -> None:
     """Put every particle at a pose known for certain."""
     for i in range(len(particles)):
         for a in range(3):

@@ -1,8 +1,8 @@
 """Region features (Oberländer et al. 2008, Fig. 1) and their edge form.
 
 The paper describes a region by midpoints and sizes. Written as *edge positions* the same region keeps what a partial
-measurement tells: seeing only the right edge fixes x + w/2, neither x nor w. Filter and kernels use the edge form, people
-the paper's parameters; `REGION` is the first, `RegionFeature` the second.
+measurement tells: seeing only the right edge fixes x + w/2, neither x nor w. Filter and kernels use the edge form,
+people the paper's parameters; `REGION` is the first, `RegionFeature` the second.
 
 State vector of a region with n rectangles, length ``2 + 3 n``, relative to a fixed anchor::
 
@@ -77,7 +77,7 @@ def b_index(i: int) -> int:
 
 @dataclass(frozen=True, eq=False)
 class Subrectangle:
-    """Left or right subrectangle of a region (Fig. 1): size, lateral displacement, their covariances and edge states."""
+    """Left or right subrectangle of a region (Fig. 1): size, lateral displacement, covariances, edge states."""
 
     w: float
     h: float

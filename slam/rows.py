@@ -1,7 +1,8 @@
 """Rows of at most three rectangles: the only geometry of a region, believed, measured or true.
 
-A row lies in a frame with origin (x, y) and heading phi. Its boundaries ``u[0] < ... < u[n]`` run along the frame's first
-axis; rectangle ``i`` spans ``[u[i], u[i+1]]`` by ``[b[i], t[i]]``. Oberländer et al. 2008, section II-B and Fig. 2.
+A row lies in a frame with origin (x, y) and heading phi. Its boundaries ``u[0] < ... < u[n]`` run along the frame's
+first axis; rectangle ``i`` spans ``[u[i], u[i+1]]`` by ``[b[i], t[i]]``. Oberländer et al. 2008, section II-B and
+Fig. 2.
 """
 
 from __future__ import annotations
@@ -70,7 +71,7 @@ class Row:
         left: tuple[float, float, float] | None = None,
         right: tuple[float, float, float] | None = None,
     ) -> Row:
-        """Build a row from the paper's parameters: main midpoint and size, and (w, h, y) of the subrectangles (Fig. 1)."""
+        """Build a row from Fig. 1: midpoint and size of the main rectangle, (w, h, y) of the subrectangles."""
         u, b, t = [-w / 2, w / 2], [-h / 2], [h / 2]
         if left is not None:
             u.insert(0, u[0] - left[0])

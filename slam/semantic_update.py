@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from slam.edge_form import turn
-from slam.jit import njit
+from slam.jit import Array, Record, njit
 from slam.region import b_index, u_index
 
 LIMIT = 10.0
@@ -13,7 +15,9 @@ LIMIT = 10.0
 
 
 @njit
-def update_semantics(particles, regions, measured, candidates, n_candidates, p):
+def update_semantics(
+    particles: Array, regions: Array, measured: Array, candidates: Array, n_candidates: Array, p: Record
+) -> None:
     """Sum the evidence for and against every region's type and apply eq. (13).
 
     The relevant measurements of a region, eq. (8), are those that could be measurements of the same place if type were
@@ -47,11 +51,11 @@ def update_semantics(particles, regions, measured, candidates, n_candidates, p):
 
 
 @njit
-def covered_share(z, m, offset, pose):
+def covered_share(z: Record, m: Record, offset: int, pose: Array) -> Any:
     """Return overlap(z, m), eq. (11): the share of z's area inside m, along m's axes.
 
-    m is taken with the measurement's own uncertainty (two standard deviations), or thin regions would be refuted by supporting
-    scans, and without limit where its edges are open.
+    m is taken with the measurement's own uncertainty (two standard deviations), or thin regions would be refuted by
+    supporting scans, and without limit where its edges are open.
     """
     c, s = np.cos(m.state[0]), np.sin(m.state[0])
     dx, dy = m.anchor[0] - pose[0], m.anchor[1] - pose[1]
@@ -76,7 +80,7 @@ def covered_share(z, m, offset, pose):
 
 
 @njit
-def _limit(z, m, i, j, outward):
+def _limit(z: Record, m: Record, i: int, j: int, outward: int) -> Any:
     """Return how far m may reach at its edge j when edge i of z is as uncertain as it says."""
     if not m.closed[j]:
         return outward * np.inf

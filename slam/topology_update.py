@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
-from slam.jit import njit
+from slam.jit import Array, Record, njit
 from slam.overlap import rows_overlap
 from slam.particles import ADJACENT, INSIDE
 from slam.region import b_index, u_index
@@ -15,17 +17,17 @@ LEAST = 0.01
 
 
 @njit
-def logit(probability):
+def logit(probability: float) -> Any:
     """Return the log-odds of a clamped probability."""
     clamped = min(max(probability, LEAST), 1 - LEAST)
     return np.log(clamped / (1 - clamped))
 
 
 @njit
-def measured_relations(measured, links, evidence):
-    """Fill `evidence` (M, M, 2): log-odds of p(z_m -> z_n) where a link was measured, and of eq. (18) where z_m overlaps z_n.
+def measured_relations(measured: Array, links: Array, evidence: Array) -> None:
+    """Fill `evidence` (M, M, 2) with the log-odds of measured links and of containment.
 
-    Zero means nothing was measured. Two linked measurements are neighbours, so neither is the other's child.
+    They are p(z_m -> z_n) and, where z_m overlaps z_n, eq. (18); zero means nothing was measured. Two linked measurements are neighbours, so neither is the other's child.
     """
     n = len(measured)
     evidence[:] = 0.0
@@ -59,7 +61,9 @@ def measured_relations(measured, links, evidence):
 
 
 @njit
-def update_topology(particles, regions, links, associations, evidence, p):
+def update_topology(
+    particles: Array, regions: Array, links: Array, associations: Array, evidence: Array, p: Record
+) -> None:
     """Update the beliefs in links between all regions of which the scan measured both, eqs. (16) and (17).
 
     A link is remembered from its first measurement on. Where either region was not measured nothing changes, eq. (15).
@@ -93,7 +97,9 @@ def update_topology(particles, regions, links, associations, evidence, p):
 
 
 @njit
-def revise(regions, links, slot, z, measured_as, evidence, known, p):
+def revise(
+    regions: Array, links: Array, slot: int, z: Record, measured_as: Array, evidence: Array, known: Array, p: Record
+) -> None:
     """Update the links that a region already has; mark in `known` those to regions of this scan."""
     index = regions[slot].first_link
     while index >= 0:
@@ -112,7 +118,9 @@ def revise(regions, links, slot, z, measured_as, evidence, known, p):
 
 
 @njit
-def remember(particle, regions, links, slot, target, kind, evidence, p):
+def remember(
+    particle: Record, regions: Array, links: Array, slot: int, target: int, kind: int, evidence: Array, p: Record
+) -> None:
     """Add a link with its first evidence to the prior."""
     link = links[particle.n_links]
     link.target, link.target_id, link.kind = target, regions[target].id, kind

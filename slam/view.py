@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
-from slam.jit import njit
+from slam.jit import Array, njit
 
 
 @njit
-def is_in_view(view, x, y, margin):
+def is_in_view(view: Array, x: float, y: float, margin: float) -> bool:
     """Say whether a point (robot frame, m) lies inside the view, at least `margin` m before its end along the ray.
 
-    The vertices run counter-clockwise by angle, so the two that bracket the point are found by bisection. A sensor with a
-    limited field of view puts the robot itself, (0, 0), first: nothing outside the span of the others is visible.
+    The vertices run counter-clockwise by angle, so the two that bracket the point are found by bisection. A sensor
+    with a limited field of view puts the robot itself, (0, 0), first: nothing outside the span of the others is
+    visible.
     """
     n = len(view)
     first = 1 if view[0, 0] == 0.0 and view[0, 1] == 0.0 else 0
@@ -40,7 +43,7 @@ def is_in_view(view, x, y, margin):
 
 
 @njit
-def diamond(x, y):
+def diamond(x: float, y: float) -> Any:
     """Return a number in [0, 4) that grows with the angle of a vector, without trigonometry."""
     total = abs(x) + abs(y)
     if total == 0.0:

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
-from slam.jit import njit
+from slam.jit import Array, njit
 
 
 @njit
-def normalise(particles):
+def normalise(particles: Array) -> Any:
     """Normalise the log weights in place and return the effective sample size 1 / sum(w²)."""
     largest = -np.inf
     for p in particles:
