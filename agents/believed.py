@@ -128,11 +128,14 @@ class View:
         slots = set(np.flatnonzero(near).tolist())
         return tuple(r for r in self.regions if r.slot in slots)
 
-    def region_at(self, point: ArrayLike) -> BelievedRegion | None:
-        """Return the smallest believed region around a point, furniture and doors aside."""
-        spot = np.asarray(point, dtype=np.float64)[None]
-        around = [r for r in self.regions if r.type not in FURNITURE and r.type != "door" and r.row.contains(spot)[0]]
-        return min(around, key=lambda r: r.row.area, default=None)
+    def regions_at(self, points: ArrayLike) -> list[BelievedRegion | None]:
+        """Return the smallest believed region around each point, shape (k, 2), furniture and doors aside."""
+        found: list[BelievedRegion | None] = [None] * len(np.asarray(points))
+        rooms = [r for r in self.regions if r.type not in FURNITURE and r.type != "door"]
+        for region in sorted(rooms, key=lambda r: -r.row.area):
+            for k in np.flatnonzero(region.row.contains(points)):
+                found[k] = region
+        return found
 
     def to_robot(self, point: ArrayLike) -> Floats:
         """Return a map-frame point in the robot's frame."""

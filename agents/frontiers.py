@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -54,12 +55,11 @@ def find_frontiers(terrain: Terrain, view: View, clearance: float = CLEARANCE) -
     reach, clearances = terrain.distances(view.pose[:2])
     cells, sizes = cluster(terrain.scores, clearances, reach, clearance)
     points = terrain.points(cells)
-    doors = [r for r in view.regions if r.type == "door"]
+    doors = [(np.array(r.row.centre), r) for r in view.regions if r.type == "door"]
     found = []
-    for point, (row, column), size in zip(points, cells, sizes, strict=True):
+    for point, (row, column), size, region in zip(points, cells, sizes, view.regions_at(points), strict=True):
         if size < SMALLEST:
             continue
-        region = view.region_at(point)
         door = _nearest_door(doors, point)
         place, worth = _appraise(region, door, view)
         worth += 6.0 if size < 6 else 0.0
@@ -67,9 +67,9 @@ def find_frontiers(terrain: Terrain, view: View, clearance: float = CLEARANCE) -
     return found
 
 
-def _nearest_door(doors: list[BelievedRegion], point: Floats) -> BelievedRegion | None:
-    """Return the door within a metre of a point, if any."""
-    near = [(float(np.hypot(*(np.array(d.row.centre) - point))), d.slot, d) for d in doors]
+def _nearest_door(doors: list[tuple[Floats, BelievedRegion]], point: Floats) -> BelievedRegion | None:
+    """Return the door whose middle is within a metre of a point, if any."""
+    near = [(math.dist(middle, point), door.slot, door) for middle, door in doors]
     distance, _, door = min(near, default=(np.inf, 0, None))
     return door if distance < 1.0 else None
 

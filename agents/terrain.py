@@ -31,7 +31,17 @@ class Terrain:
         Distance of the robot's centre from an obstacle at which they touch, m.
     cell
         Edge of a cell, m.
+
+    Attributes
+    ----------
+    scores : ndarray
+        Score of every cell within reach of the places the robot has been at, shape (rows, columns).
+    origin : ndarray
+        Centre of cell (0, 0), x and y in the map frame, m.
     """
+
+    scores: NDArray[np.int8]
+    origin: Floats
 
     def __init__(self, n_rays: int, max_range: float, sight: float, touch: float, cell: float = 0.1) -> None:
         self.max_range, self.sight, self.touch, self.cell = max_range, sight, touch, cell
@@ -41,14 +51,16 @@ class Terrain:
     def reset(self) -> None:
         """Forget everything."""
         size = 2 * int(15 / self.cell) + 1
-        self.scores = np.full((size, size), UNSEEN, np.int8)
-        self.origin = np.full(2, -(size // 2) * self.cell)  # map frame, centre of cell (0, 0)
+        self._grid = np.full((size, size), UNSEEN, np.int8)
+        self._grid_origin = np.full(2, -(size // 2) * self.cell)
+        self._low, self._high = np.full(2, np.inf), np.full(2, -np.inf)
 
     def insert(self, pose: Floats, ranges: ArrayLike) -> None:
         """Enter one scan taken at a pose (x, y, theta)."""
         self._grow(pose[:2])
         scan = np.asarray(ranges, dtype=np.float64)
-        draw_scan(self.scores, self.origin, self.cell, pose, self._angles, scan, self.sight, self.max_range - 0.1)
+        draw_scan(self._grid, self._grid_origin, self.cell, pose, self._angles, scan, self.sight, self.max_range - 0.1)
+        self._crop(pose[:2])
 
     def index(self, point: ArrayLike) -> tuple[int, int]:
         """Return row and column of the cell at a point (map frame), within the grid."""
@@ -63,13 +75,9 @@ class Terrain:
         """Tell whether the floor at a point has been seen."""
         return bool(self.scores[self.index(point)] != UNSEEN)
 
-    def costs(self, start: ArrayLike) -> tuple[NDArray[np.float32], Floats]:
+    def costs(self, start: ArrayLike) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         """Return the cost of driving through every cell (inf: unseen or too near an obstacle) and the clearance (m)."""
-        clearance = clearances(self.scores) * self.cell
-        comfortable = self.touch + 0.4
-        short = np.clip((comfortable - clearance) / 0.4, 0, None)
-        cost = (1 + 4 * short**2).astype(np.float32)
-        cost[(self.scores == UNSEEN) | (clearance < self.touch - 0.05)] = np.inf
+        cost, clearance = driving_costs(self.scores, self.cell, self.touch - 0.05, self.touch + 0.4)
         row, column = self.index(start)
         around = cost[max(0, row - 3) : row + 4, max(0, column - 3) : column + 4]
         around[~np.isfinite(around)] = 20.0  # wherever the robot is, it can leave
@@ -82,7 +90,7 @@ class Terrain:
         end, _, parent = self._search(cost, start, float(column), float(row))
         return self.points(trace(parent, end))
 
-    def distances(self, start: ArrayLike) -> tuple[NDArray[np.float32], Floats]:
+    def distances(self, start: ArrayLike) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         """Return the cost (m) of the way to every cell, inf where there is none, and the clearances."""
         cost, clearance = self.costs(start)
         _, reach, _ = self._search(cost, start, np.nan, np.nan)
@@ -95,16 +103,25 @@ class Terrain:
         reach, parent = np.empty(cost.shape, np.float32), np.empty(cost.shape, np.int32)
         return search(cost, r * cost.shape[1] + c, column, row, reach, parent), reach, parent
 
+    def _crop(self, position: Floats) -> None:
+        """Widen what has been looked at so far by the reach around a position."""
+        self._low = np.minimum(self._low, position - self.max_range - 0.2)
+        self._high = np.maximum(self._high, position + self.max_range + 0.2)
+        c0, r0 = np.rint((self._low - self._grid_origin) / self.cell).astype(int)
+        c1, r1 = np.rint((self._high - self._grid_origin) / self.cell).astype(int)
+        self.scores = self._grid[r0 : r1 + 1, c0 : c1 + 1]
+        self.origin = self._grid_origin + np.array([c0, r0]) * self.cell
+
     def _grow(self, position: Floats) -> None:
         """Widen the grid so that a scan at a position fits in."""
         need = self.max_range + 1.0
-        last = self.origin + (np.array(self.scores.shape[::-1]) - 1) * self.cell
-        low = np.where(position - need < self.origin, int(15 / self.cell), 0)
+        last = self._grid_origin + (np.array(self._grid.shape[::-1]) - 1) * self.cell
+        low = np.where(position - need < self._grid_origin, int(15 / self.cell), 0)
         high = np.where(position + need > last, int(15 / self.cell), 0)
         if low.any() or high.any():
             pads = ((low[1], high[1]), (low[0], high[0]))
-            self.scores = np.pad(self.scores, pads, constant_values=UNSEEN)
-            self.origin = self.origin - low * self.cell
+            self._grid = np.pad(self._grid, pads, constant_values=UNSEEN)
+            self._grid_origin = self._grid_origin - low * self.cell
             self._grow(position)
 
 
@@ -168,6 +185,35 @@ def draw_scan(
             r = int(np.rint((y + (y1 - y) * piece / pieces - origin[1]) / cell))
             c = int(np.rint((x + (x1 - x) * piece / pieces - origin[0]) / cell))
             scores[r, c] = min(max(scores[r, c], 0) + 4, FIRM)
+
+
+@njit
+def driving_costs(
+    scores: NDArray[np.int8], cell: float, forbidden: float, comfortable: float
+) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Return the cost of driving through every cell and its clearance.
+
+    Parameters
+    ----------
+    scores, cell
+        The grid and the edge of its cells, m.
+    forbidden, comfortable
+        Clearance (m) below which a cell is forbidden, and from which obstacles no longer matter.
+
+    Returns
+    -------
+    cost, clearance
+        1 in the open, up to 5 near obstacles, inf too near or unseen; distance to the nearest occupied cell, m.
+    """
+    clearance = clearances(scores)
+    cost = np.empty_like(clearance)
+    for r in range(scores.shape[0]):
+        for c in range(scores.shape[1]):
+            clearance[r, c] *= np.float32(cell)
+            short = max(0.0, (comfortable - clearance[r, c]) / (comfortable - forbidden))
+            closed = scores[r, c] == UNSEEN or clearance[r, c] < forbidden
+            cost[r, c] = np.inf if closed else 1.0 + 4.0 * short * short
+    return cost, clearance
 
 
 @njit
