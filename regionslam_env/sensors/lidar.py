@@ -31,9 +31,7 @@ class Lidar:
         Of the rays in the robot's frame, ascending from -pi (straight back), rad.
     """
 
-    def __init__(
-        self, config: SensorConfig, noise: NoiseConfig, arrays: WorldArrays, rng: np.random.Generator
-    ) -> None:
+    def __init__(self, config: SensorConfig, noise: NoiseConfig, arrays: WorldArrays, rng: np.random.Generator) -> None:
         self._range, self._sigma, self._rng = config.lidar_range, noise.lidar_sigma, rng
         self.angles = ray_angles(config.n_lidar_rays)
         self._normals = np.empty(config.n_lidar_rays)

@@ -45,9 +45,7 @@ class DifferentialDrive:
             For a command that is not finite.
         """
         if not (math.isfinite(speed) and math.isfinite(turn_rate)):
-            raise ValueError(
-                f"the command is {speed} m/s and {turn_rate} rad/s, expected finite numbers"
-            )
+            raise ValueError(f"the command is {speed} m/s and {turn_rate} rad/s, expected finite numbers")
         speed = min(max(speed, -self._max_speed), self._max_speed)
         turn = min(max(turn_rate, -self._max_turn_rate), self._max_turn_rate) * self._half_base
         fastest = abs(speed) + abs(turn)

@@ -1,0 +1,226 @@
+"""The region sensor: the regions in view, as far as they are in view, with noise on every parameter.
+
+It reports the rows that the floor is annotated with, cut to what is visible: an edge is closed if enough of it is seen,
+else it lies where the view ends and is open. The noise is drawn on the parameters of Fig. 1 in Oberländer et al. 2008.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from regionslam_env.config import NoiseConfig, SensorConfig
+from regionslam_env.geometry import NearbyIndex, cast, ray_angles, ray_directions, segment_boxes
+from regionslam_env.sensors.distortion import distort
+from regionslam_env.sensors.partial_row import DRAWS, cut_row, turn_part, visible_run, write_part
+from regionslam_env.sensors.sight import SIGHT, look
+from regionslam_env.worlds.world import WorldArrays
+from slam.jit import njit
+from slam.measurement import LINK, MEASUREMENT, Scan
+from slam.rows import MAX_RECTANGLES
+
+_BLOCK = 4096  # normal numbers drawn at a time
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+class RegionSensor:
+    """Measures regions within its range, in the robot's frame.
+
+    Parameters
+    ----------
+    config
+        Range, field of view, occlusion, what counts as seen.
+    noise
+        Told standard deviations, and by what factor the simulated variances differ.
+    arrays
+        Of the world.
+    rng
+        The sensor's own generator.
+
+    Attributes
+    ----------
+    sightings
+        How often each true region has been in view since the reset, shape (R,); for metrics alone.
+    """
+
+    def __init__(self, config: SensorConfig, noise: NoiseConfig, arrays: WorldArrays, rng: np.random.Generator) -> None:
+        self._noise, self._reach = noise, config.range
+        self._confidence, self._link_confidence = config.confidence, config.link_confidence
+        self._limits = (config.range, config.edge_tolerance, config.closed_length)
+        self._told = (noise.regions.sigma_xy, noise.regions.sigma_wh, noise.regions.sigma_phi)
+        self._gain = math.sqrt(noise.simulated_factor)
+        self._rows, self._types = np.asarray(arrays.rows).view(np.ndarray), arrays.types
+        self._walls = arrays.walls if config.occlusion else np.zeros((0, 4))
+        self._near_walls = NearbyIndex(segment_boxes(self._walls), config.range)
+        self._near_rows = NearbyIndex(_circle_boxes(self._rows), config.range)
+        self._adjacency = _adjacency(arrays.links, len(self._rows))
+        self._directions = ray_directions(config.n_view_rays)
+        self._open = 1.0 * (np.abs(ray_angles(config.n_view_rays)) <= config.field_of_view / 2 + 1e-9)
+        self._ranges = np.empty(config.n_view_rays)
+        self._normals = np.zeros(max(_BLOCK, DRAWS * len(self._rows)))
+        self._records = np.zeros(len(self._rows), MEASUREMENT)
+        self._which = np.zeros(len(self._rows), np.int64)
+        self._slots = np.full(len(self._rows), -1, np.int64)
+        self._links = np.zeros(2 * len(arrays.links), LINK)
+        self.reset(rng)
+
+    def reset(self, rng: np.random.Generator) -> None:
+        """Start a new episode with a generator of its own."""
+        self._rng = rng
+        self._drawn = len(self._normals)
+        self.sightings = np.zeros(len(self._rows), np.int64)
+
+    def measure(self, pose: NDArray[np.float64]) -> Scan:
+        """Return what is seen from a true pose x (m), y (m), theta (rad), shape (3,)."""
+        x, y, theta = pose.tolist()
+        ranges, directions = self._ranges, self._directions
+        cast(x, y, theta, self._reach, directions, self._walls, self._near_walls.near(x, y), ranges)
+        ranges *= self._open
+        nearby = self._near_rows.near(x, y)
+        self._draw(len(nearby))
+        count = scan_regions(
+            x,
+            y,
+            theta,
+            self._rows,
+            nearby,
+            directions,
+            ranges,
+            self._limits,
+            self._told,
+            self._gain,
+            self._confidence,
+            self._normals[self._drawn :],
+            self._which,
+            self._records,
+        )
+        self._drawn += count * DRAWS
+        starts, neighbours = self._adjacency
+        links = write_links(self._which, count, starts, neighbours, self._link_confidence, self._slots, self._links)
+        view = np.ascontiguousarray((directions * ranges).T)
+        scan = Scan.from_records(self._records[:count].copy(), self._types, self._links[:links].copy(), view)
+        noise = self._noise
+        if noise.misclassification or noise.misses or noise.false_positives:
+            return distort(scan, noise, self._confidence, self._rng)
+        return scan
+
+    def _draw(self, measurements: int) -> None:
+        """See to it that there are enough normal numbers for so many measurements."""
+        if self._drawn + measurements * DRAWS > len(self._normals):
+            self._rng.standard_normal(out=self._normals)
+            self._drawn = 0
+
+
+@njit
+def scan_regions(
+    x: float,
+    y: float,
+    theta: float,
+    rows: NDArray[np.void],
+    nearby: Ints,
+    directions: Floats,
+    ranges: Floats,
+    limits: tuple[float, float, float],
+    told: tuple[float, float, float],
+    gain: float,
+    confidence: float,
+    normals: Floats,
+    which: Ints,
+    records: NDArray[np.void],
+) -> int:
+    """Write a measurement of every region in view; return how many.
+
+    Parameters
+    ----------
+    x, y, theta
+        Pose of the sensor (m, rad).
+    rows, nearby
+        Regions of the world, TRUE_REGION, and the indices of those to look at.
+    directions, ranges
+        Rays in the sensor's frame and how far they see, shapes (2, n) and (n,), m.
+    limits
+        Range of the sensor, tolerance between wall and edge, and length of an edge that is enough, m.
+    told, gain
+        Told standard deviations of position, size and heading; simulated over told ones.
+    confidence
+        Stated probability of the type.
+    normals
+        Standard normal numbers, DRAWS for each measurement.
+    which, records
+        Written: the index of the region of each measurement, and the measurement.
+    """
+    reach, tolerance, closed_length = limits
+    sights = np.empty((MAX_RECTANGLES, SIGHT))
+    u, b, t = np.empty(MAX_RECTANGLES + 1), np.empty(MAX_RECTANGLES), np.empty(MAX_RECTANGLES)
+    states = np.empty(2 + 2 * MAX_RECTANGLES, np.int64)
+    count = 0
+    for j in nearby:
+        row = rows[j]
+        if (row.cx - x) ** 2 + (row.cy - y) ** 2 > (reach + row.radius) ** 2:
+            continue
+        c, s = math.cos(row.phi), math.sin(row.phi)
+        at_u, at_v = c * (x - row.x) + s * (y - row.y), c * (y - row.y) - s * (x - row.x)
+        phi = row.phi - theta
+        axis = (math.cos(phi), math.sin(phi))
+        for i in range(row.n):
+            bounds = (row.u[i] - at_u, row.u[i + 1] - at_u, row.b[i] - at_v, row.t[i] - at_v)
+            look(bounds, axis, directions, ranges, reach, tolerance, sights[i])
+        first, length = visible_run(row, sights, closed_length)
+        if length == 0:
+            continue
+        cut_row(row, at_u, at_v, first, length, sights, closed_length, u, b, t, states)
+        main = 1 if length == MAX_RECTANGLES else min(max(row.main - first, 0), length - 1)
+        if length == 2 and row.n == MAX_RECTANGLES:
+            main = row.main - first
+        draws = normals[count * DRAWS : (count + 1) * DRAWS]
+        phi += gain * told[2] * draws[4]
+        phi -= 2 * math.pi * math.floor((phi + math.pi) / (2 * math.pi))
+        if not -math.pi / 2 < phi <= math.pi / 2:
+            phi += -math.pi if phi > 0 else math.pi
+            turn_part(length, u, b, t, states)
+            axis, main = (-axis[0], -axis[1]), length - 1 - main
+        record = records[count]
+        record.type, record.confidence, record.phi = row.type, confidence, phi
+        write_part(record, length, main, u, b, t, states, axis, told, gain, draws)
+        which[count] = j
+        count += 1
+    return count
+
+
+@njit
+def write_links(
+    which: Ints, count: int, starts: Ints, neighbours: Ints, confidence: float, slots: Ints, links: NDArray[np.void]
+) -> int:
+    """Write the links between measured regions, both ways; return how many.
+
+    `starts` and `neighbours` list for each region those linked to it; `slots` holds -1 for every region, before and after.
+    """
+    for k in range(count):
+        slots[which[k]] = k
+    written = 0
+    for k in range(count):
+        for place in range(starts[which[k]], starts[which[k] + 1]):
+            target = slots[neighbours[place]]
+            if target >= 0:
+                links[written].source, links[written].target = k, target
+                links[written].confidence = confidence
+                written += 1
+    for k in range(count):
+        slots[which[k]] = -1
+    return written
+
+
+def _adjacency(pairs: Ints, count: int) -> tuple[Ints, Ints]:
+    """Return for each of `count` regions where its neighbours start, shape (count + 1,), and all neighbours."""
+    both = np.unique(np.concatenate([pairs, pairs[:, ::-1]]), axis=0)
+    return np.searchsorted(both[:, 0], np.arange(count + 1)), np.ascontiguousarray(both[:, 1])
+
+
+def _circle_boxes(rows: NDArray[np.void]) -> Floats:
+    """Return the boxes around the regions' circles, shape (R, 4)."""
+    x, y, radius = rows["cx"], rows["cy"], rows["radius"]
+    return np.stack([x - radius, y - radius, x + radius, y + radius], axis=1)
