@@ -1,0 +1,439 @@
+"""The environment: composition of world, robot, sensors, filter and task, in the order of one step."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from functools import lru_cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import gymnasium
+import numpy as np
+from gymnasium.error import ResetNeeded
+from numpy.typing import ArrayLike, NDArray
+
+from regionslam_env.actions import ARRIVALS, Arrival, action_space, read_action
+from regionslam_env.belief import LOCALIZATIONS, Localization, Localizer, probability_in_type
+from regionslam_env.config import SEMANTIC_TYPES, NoiseConfig, RobotConfig, SensorConfig, from_dict, noise_set
+from regionslam_env.errors import ConfigError, unknown
+from regionslam_env.missions.mission import GoTo
+from regionslam_env.observations import Observation, Observer, observed_types
+from regionslam_env.sensors.lidar import Lidar
+from regionslam_env.sensors.odometry import OdometrySensor
+from regionslam_env.sensors.region_sensor import RegionSensor
+from regionslam_env.simulation.physics import Simulation
+from regionslam_env.tasks.metrics import MAP_METRICS, EpisodeFacts, PoseErrors, episode_metrics
+from regionslam_env.tasks.rewards import RewardConfig, goto_reward, reward_set
+from regionslam_env.tasks.task import MIN_START_DISTANCE, GoToMission, GoToTask
+from regionslam_env.worlds.geodesic import Geodesic
+from regionslam_env.worlds.loading import load
+from regionslam_env.worlds.world import World
+from slam.belief import Belief
+from slam.config import SlamConfig
+from slam.evaluation.map_quality import map_quality
+from slam.motion import Odometry
+
+if TYPE_CHECKING:
+    from regionslam_env.rendering.renderer import Renderer
+
+Floats = NDArray[np.float64]
+Info = dict[str, Any]
+
+SPLITS = ("train", "val", "test")
+"""Disjoint seeds: one and the same seed gives other missions and other noise in each."""
+
+OPTIONS = ("goal", "start")
+
+
+class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
+    """Go to a place by its meaning, on a floor that is not known and with a pose that is only believed.
+
+    ## Description
+
+    A round robot with two driven wheels stands somewhere on an annotated floor and is told what kind of place to go to. It
+    never learns where it is: its odometry drifts, and a region-based FastSLAM 2.0 filter (Oberländer et al. 2008) turns noisy
+    and partial observations of rooms, hallways, doors and furniture into a belief about pose and semantic map. That belief
+    is the observation. Success is judged on the truth.
+
+    ## Action Space
+
+    `Box(-1, 1, (2,), float32)`: forward speed and turn rate, as shares of the robot's largest (1 m/s and 2 rad/s). With
+    `arrival="declare"` it is `Box(-1, 1, (3,), float32)`, and a third component above 0 declares that the robot has arrived.
+
+    ## Observation Space
+
+    A `Dict`; lengths are clipped to 1000 m, and S = 32 (`max_regions`), T = 18 (`semantic_types`). Tables are
+    flattened row by row; `regionslam_env.region_table` and `link_table` give back the rows, `RegionColumn` and `LinkColumn` name
+    the columns.
+
+    | Key | Space | Shape | Content |
+    | --- | --- | --- | --- |
+    | pose | Box | (4,) | mean x, y (m), cos and sin of the heading, in the map frame: the start pose is its origin |
+    | pose_cov | Box | (9,) | covariance of x, y (m), heading (rad), row by row |
+    | velocity | Box | (2,) | forward speed (m/s) and turn rate (rad/s) by odometry |
+    | regions | Box | (1408,) | S rows of 26 + T: geometry in the robot's frame, open edges, probabilities |
+    | regions_mask | MultiBinary | (32,) | which of the S rows hold a region; a region keeps its row until it is evicted |
+    | links | Box | (512,) | 4 S rows, strongest first: slot, slot, probability, kind (0 passage, 1 second inside first) |
+    | links_mask | MultiBinary | (128,) | which of the rows hold a link |
+    | lidar | Box | (180,) | distance (m) along rays all around, counter-clockwise from straight back |
+    | goal | Box | (18,) | one-hot over the T semantic types |
+    | progress | Box | (2,) | share of the episode's steps that has passed, share of the mission that is done |
+
+    ## Rewards
+
+    The sum of named terms, which stand in `info["reward_terms"]`; `reward` changes their weights.
+
+    | Term | Weight | When |
+    | --- | --- | --- |
+    | progress | 1 per metre | come nearer to the goal, geodesically |
+    | success | 10 | mission done |
+    | time | -0.01 | every step |
+    | collision | -0.05 | every step that something holds the robot back |
+    | false_arrival | -10 | arrival declared outside of the goal |
+
+    ## Starting State
+
+    At rest, anywhere with a free way of at least `start_distance` to the nearest goal region, in any direction. The goal is a
+    drawn type of room, unless it is given. `reset(options={"goal": "kitchen", "start": (x, y, theta)})` sets either for one
+    episode (world frame, m and rad).
+
+    ## Episode End
+
+    * Termination with `arrival="stay"`: the robot's centre has been inside a goal region for 1 s.
+    * Termination with `arrival="declare"`: the robot declares its arrival, right or wrong.
+    * Truncation: after `max_steps` steps.
+
+    The last `info` holds the metrics of `regionslam_env.tasks.metrics.METRICS`; None where one has no meaning.
+
+    ## Arguments
+
+    | Argument | Default | Meaning |
+    | --- | --- | --- |
+    | world | "institute" | name of a built-in floor, path of a world file, or a `World` |
+    | split | "train" | "train", "val" or "test": disjoint seeds |
+    | localization | "slam" | "slam", "oracle" (true pose) or "odometry" (dead reckoning); same seed, same noise |
+    | arrival | "stay" | "stay" or "declare" |
+    | goal | None | semantic type to go to in every episode; None draws one |
+    | start_distance | 2.0 | least geodesic distance of the start from every goal region, m |
+    | max_steps | 1000 | steps of 0.1 s until truncation |
+    | n_particles | 4 | particles of the filter |
+    | sensor_range | 8.0 | range of the region sensor, m |
+    | occlusion | True | whether walls hide regions |
+    | sensors | None | other keys of `SensorConfig` |
+    | robot | "standard" | keys of `RobotConfig` |
+    | noise | "standard" | "standard", "heavy", "none", or keys of `NoiseConfig` |
+    | reward | "standard" | "standard", "sparse", or keys of `RewardConfig` |
+    | max_regions | 32 | rows for regions in an observation |
+    | semantic_types | `SEMANTIC_TYPES` | types an observation tells apart; all others count as "other" |
+    | reveal_truth | False | puts the true pose and distance into `info["truth"]` |
+    | render_mode | None | "rgb_array" or "ansi" |
+
+    ## Version History
+
+    * v0: first version.
+    """
+
+    metadata: ClassVar[dict[str, Any]] = {"render_modes": ["rgb_array", "ansi"], "render_fps": 10}
+
+    def __init__(
+        self,
+        *,
+        world: str | Path | World = "institute",
+        split: str = "train",
+        localization: Localization = "slam",
+        arrival: Arrival = "stay",
+        goal: str | None = None,
+        start_distance: float = MIN_START_DISTANCE,
+        max_steps: int = 1000,
+        n_particles: int = 4,
+        sensor_range: float = 8.0,
+        occlusion: bool = True,
+        sensors: Mapping[str, Any] | None = None,
+        robot: str | Mapping[str, Any] | RobotConfig = "standard",
+        noise: str | Mapping[str, Any] | NoiseConfig = "standard",
+        reward: str | Mapping[str, Any] | RewardConfig = "standard",
+        max_regions: int = 32,
+        semantic_types: Sequence[str] = SEMANTIC_TYPES,
+        reveal_truth: bool = False,
+        render_mode: str | None = None,
+    ) -> None:
+        self._split = _one_of("split", split, SPLITS)
+        self.localization = _one_of("localization", localization, LOCALIZATIONS)
+        self.arrival = _one_of("arrival", arrival, ARRIVALS)
+        if render_mode is not None:
+            _one_of("render_mode", render_mode, self.metadata["render_modes"])
+        self.max_steps, n_slots = _count("max_steps", max_steps), _count("max_regions", max_regions)
+        self.robot = _robot(robot)
+        self.sensors = from_dict(
+            SensorConfig, {"range": sensor_range, "occlusion": occlusion, **(sensors or {})}, "sensors"
+        )
+        self.noise, self.reward = noise_set(noise), reward_set(reward)
+        self.semantic_types = observed_types(semantic_types)
+        self.reveal_truth, self.render_mode = reveal_truth, render_mode
+
+        self.world = load(world)
+        self.simulation = Simulation(self.world, self.robot)
+        idle, arrays = np.random.default_rng(0), self.world.arrays
+        self._odometry_sensor = OdometrySensor(self.noise, idle)
+        self._lidar = Lidar(self.sensors, self.noise, arrays, idle)
+        self._region_sensor = RegionSensor(self.sensors, self.noise, arrays, idle)
+        self._localizer = Localizer(self.localization, self._slam_config(n_particles))
+        self.task = GoToTask(
+            self.world,
+            _geodesic(self.world, self.robot.radius),
+            self.semantic_types,
+            self.robot.step,
+            self.arrival == "declare",
+            goal,
+            start_distance,
+        )
+        self._observer = Observer(
+            self.semantic_types, n_slots, self.robot, self.sensors.n_lidar_rays, self.sensors.lidar_range
+        )
+        self.observation_space = self._observer.space
+        self.action_space = action_space(self.arrival)
+        self._n_actions = self.action_space.shape[0]
+        self._running = False
+        self._renderer: Renderer | None = None
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Observation, Info]:
+        """Begin an episode.
+
+        Parameters
+        ----------
+        seed
+            Of every random number to come; the same one gives the same episodes.
+        options
+            ``goal``: semantic type to go to; ``start``: true pose (x, y, theta) in the world frame, m and rad.
+
+        Raises
+        ------
+        ConfigError
+            For an unknown option or goal, a start that is not free, or a goal that cannot be reached from it.
+        """
+        super().reset(seed=seed)
+        goal, start = _read_options(options)
+        mission_rng, odometry_rng, lidar_rng, region_rng, filter_rng = self._generators()
+        self.mission = self.task.draw(mission_rng, goal, start)
+        self.simulation.reset(*self.mission.start)
+        self._odometry_sensor.reset(odometry_rng)
+        self._lidar.reset(lidar_rng)
+        self._region_sensor.reset(region_rng)
+        self._localizer.reset(filter_rng)
+        self._observer.reset(self.mission.goal)
+        self._map_frame = (*self.mission.start, math.cos(self.mission.start[2]), math.sin(self.mission.start[2]))
+        self._pose_errors = PoseErrors()
+        self._steps, self._collisions, self._collided, self._believed_path = 0, 0, False, 0.0
+        limit = self.spec.max_episode_steps if self.spec is not None else None
+        self._limit = min(self.max_steps, limit or self.max_steps)
+        self._running = True
+        self._true_path: list[Floats] = []
+        self._path: list[Floats] = []
+        self._renderer = None
+        observation = self._sense(Odometry(0.0), self.simulation.pose, 0.0)
+        info: Info = {"mission": self.mission_text}
+        if self.reveal_truth:
+            info["truth"] = self._truth()
+        return observation, info
+
+    def step(self, action: ArrayLike) -> tuple[Observation, float, bool, bool, Info]:
+        """Drive for one step, measure, update the belief, and judge what happened.
+
+        Raises
+        ------
+        ValueError
+            For an action of another shape or with a component that is not a number.
+        ResetNeeded
+            Before the first reset and after the end of an episode.
+        """
+        if not self._running:
+            raise ResetNeeded("there is no running episode: call env.reset() first")
+        forward, turn, declared = read_action(action, self._n_actions)
+        before = self.simulation.pose
+        self.simulation.step(forward * self.robot.max_speed, turn * self.robot.max_turn_rate)
+        pose, collided = self.simulation.pose, self.simulation.collided
+        self._steps += 1
+        self._collisions += collided and not self._collided
+        self._collided = collided
+
+        odometry = self._odometry_sensor.measure(before, pose)
+        self._believed_path += math.hypot(odometry.distance, odometry.lateral)
+        outcome = self.task.judge(float(pose[0]), float(pose[1]), declared)
+        observation = self._sense(odometry, pose, float(outcome.success))
+        belief = self._localizer.belief
+        self._pose_errors.add(self._in_map(pose), belief.pose_mean, belief.pose_cov)
+        terms = goto_reward(self.reward, outcome.progress, outcome.success, collided, outcome.false_arrival)
+
+        terminated = outcome.success or outcome.false_arrival
+        truncated = not terminated and self._steps >= self._limit
+        info: Info = {"reward_terms": terms}
+        if self.reveal_truth:
+            info["truth"] = self._truth()
+        if terminated or truncated:
+            self._running = False
+            info |= self._metrics(outcome.success, declared)
+        return observation, sum(terms.values()), terminated, truncated, info
+
+    def _sense(self, odometry: Odometry, pose: Floats, done: float) -> Observation:
+        """Measure from a true pose, update the belief, and write the observation."""
+        self.ranges = self._lidar.measure(pose)
+        scan = self._region_sensor.measure(pose)
+        belief = self._localizer.step(odometry, scan, self._in_map(pose))
+        if self.render_mode == "rgb_array":
+            self._true_path.append(pose)
+            self._path.append(belief.pose_mean)
+        return self._observer.observe(belief, odometry, self.ranges, self._steps / self._limit, done)
+
+    def render(self) -> Any:
+        """Return the picture of this moment, (H, W, 3) uint8, or the robot's own words, by `render_mode`."""
+        if self.render_mode is None or not hasattr(self, "mission"):
+            return None
+        if self.render_mode == "ansi":
+            return f"{self.mission_text}: {self.belief.map.describe(self.belief.pose_mean)}"
+        return self._draw()
+
+    def close(self) -> None:
+        """Forget the pictures; the environment holds nothing else to be closed."""
+        self._renderer = None
+
+    @property
+    def belief(self) -> Belief:
+        """What the robot believes after the last step."""
+        return self._localizer.belief
+
+    @property
+    def true_pose(self) -> Floats:
+        """True pose (x, y, theta) in the world frame, m and rad."""
+        return self.simulation.pose
+
+    @property
+    def goal(self) -> str:
+        """Semantic type of the running mission."""
+        return self.mission.goal
+
+    @property
+    def mission_text(self) -> str:
+        """The running mission in words."""
+        return str(GoTo(self.mission.goal))
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Pickle everything but the pictures, so that an episode continues identically elsewhere."""
+        return self.__dict__ | {"_renderer": None}
+
+    def _generators(self) -> list[np.random.Generator]:
+        """Return the episode's own generators: of the mission, of every sensor, and of the filter.
+
+        Each is spawned from the episode's seed, so that none depends on how much another one draws: the rungs of the ladder and
+        the noise sets share world, mission and start.
+        """
+        seed = int(self.np_random.integers(2**63, dtype=np.uint64))
+        sequence = np.random.SeedSequence([seed, SPLITS.index(self._split)])
+        return [np.random.default_rng(child) for child in sequence.spawn(5)]
+
+    def _slam_config(self, n_particles: int) -> SlamConfig:
+        particles = n_particles if self.localization == "slam" else 1
+        return SlamConfig(
+            n_particles=particles,
+            motion_noise=self.noise.odometry,
+            measurement_noise=self.noise.regions,
+            sensor_range=self.sensors.range,
+        )
+
+    def _in_map(self, pose: Floats) -> Floats:
+        """Return a true pose relative to the start pose, which is the origin of the map frame."""
+        x, y, theta = pose.tolist()
+        x0, y0, theta0, c, s = self._map_frame
+        dx, dy = x - x0, y - y0
+        return np.array((c * dx + s * dy, c * dy - s * dx, math.remainder(theta - theta0, 2 * math.pi)))
+
+    def _truth(self) -> Info:
+        """Return what no agent may see: true poses (world frame and map frame) and distance to the goal, m."""
+        pose = self.simulation.pose
+        return {"pose": pose, "pose_in_map": self._in_map(pose), "distance_to_goal": self.task.remaining}
+
+    def _metrics(self, success: bool, declared: bool) -> Info:
+        """Return the metrics of the episode that ends here."""
+        facts = EpisodeFacts(
+            success=success,
+            declared=declared if self.task.declares else None,
+            believed=probability_in_type(self.belief, self.mission.goal),
+            shortest=self.mission.shortest,
+            remaining=self.task.remaining,
+            path_length=self.simulation.path_length,
+            believed_path_length=self._believed_path,
+            collisions=self._collisions,
+        )
+        # What was in view less often than a region needs to be confirmed, the map cannot be asked for.
+        seen = self._region_sensor.sightings >= self.belief.confirmed_after
+        quality = map_quality(
+            self.belief.map.regions,
+            self.world.regions,
+            [(link.source, link.target) for link in self.world.links],
+            {self.world.regions[i].id for i in np.flatnonzero(seen)},
+            self.mission.start,
+        )
+        figures = {name: getattr(quality, name.removeprefix("region_")) for name in MAP_METRICS}
+        return episode_metrics(facts, self._pose_errors, figures)
+
+    def _draw(self) -> NDArray[np.uint8]:
+        """Draw truth and belief; what draws is imported here, so that nothing else needs it."""
+        from regionslam_env.rendering.renderer import Renderer, Snapshot
+        from regionslam_env.rendering.shapes import shapes_of_map
+
+        if self._renderer is None:
+            self._renderer = Renderer(
+                self.world,
+                self.mission.start,
+                self.mission.goal,
+                robot_radius=self.robot.radius,
+                lidar_range=self.sensors.lidar_range,
+            )
+        belief = self.belief
+        snapshot = Snapshot(
+            true_pose=self.true_pose,
+            pose=belief.pose_mean,
+            covariance=belief.pose_cov,
+            shapes=shapes_of_map(belief.map.regions),
+            true_path=self._true_path,
+            path=self._path,
+            lidar=self.ranges,
+            title=self.mission_text,
+            caption=belief.map.describe(belief.pose_mean),
+            seconds=self._steps * self.robot.step,
+            driven=self.simulation.path_length,
+        )
+        return self._renderer.frame(snapshot)
+
+
+@lru_cache(maxsize=8)
+def _geodesic(world: World, radius: float) -> Geodesic:
+    """Return the shortest distances in a world, shared by every environment that uses it: worlds are immutable."""
+    return Geodesic(world, radius)
+
+
+def _one_of(kind: str, value: Any, known: Sequence[Any]) -> Any:
+    if value not in known:
+        raise ConfigError(unknown(kind, value, known))
+    return value
+
+
+def _count(name: str, value: int) -> int:
+    if isinstance(value, bool) or not isinstance(value, int) or value < 1:
+        raise ConfigError(f"{name} is {value!r}, expected a whole number of at least 1")
+    return value
+
+
+def _robot(robot: str | Mapping[str, Any] | RobotConfig) -> RobotConfig:
+    if isinstance(robot, str):
+        _one_of("robot", robot, ("standard",))
+        return RobotConfig()
+    return from_dict(RobotConfig, robot, "robot")
+
+
+def _read_options(options: Mapping[str, Any] | None) -> tuple[str | None, Sequence[float] | None]:
+    options = options or {}
+    for name in options:
+        if name not in OPTIONS:
+            raise ConfigError(unknown("option of reset", name, OPTIONS))
+    return options.get("goal"), options.get("start")
