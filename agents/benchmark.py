@@ -22,7 +22,14 @@ from slam.motion import Odometry
 QUIET = 1.15
 """A repeat counts if the fixed loop around it took at most this much longer than its quickest run."""
 
-PARTS = ("physics", "lidar", "region sensor", "filter", "observation")
+PARTS = {
+    "physics": ("simulation", "step"),
+    "lidar": ("_lidar", "measure"),
+    "region sensor": ("_region_sensor", "measure"),
+    "filter": ("_localizer", "step"),
+    "observation": ("_observer", "observe"),
+}
+"""Parts of a step: which method of which attribute of the environment."""
 
 
 def benchmark_environment(
@@ -148,13 +155,7 @@ def _by_part(env: gymnasium.Env[Any, Any], actions: np.ndarray) -> dict[str, flo
     """Return µs per step of each part; what the timers themselves take is in `other`."""
     base: Any = env.unwrapped
     spent = dict.fromkeys(PARTS, 0.0)
-    targets = {
-        "physics": (base.simulation, "step"),
-        "lidar": (base.lidar, "measure"),
-        "region sensor": (base.region_sensor, "measure"),
-        "filter": (base.belief, "step"),
-        "observation": (base.observer, "observe"),
-    }
+    targets = {part: (getattr(base, owner), name) for part, (owner, name) in PARTS.items()}
     env.reset()
     count, total = 0, 0.0
     with _timers(targets, spent):

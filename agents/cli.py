@@ -243,3 +243,7 @@ def _check_folder(folder: Path | None) -> None:
             if not part.is_dir():
                 raise InputError(f"{part}: a file, expected a folder")
             return
+
+
+if __name__ == "__main__":
+    main()

@@ -25,7 +25,9 @@ class Commands(TyperGroup):
     0: done; 1: the mission failed; 2: bad input, told in one line on standard error. A command returns its own code.
     """
 
-    def main(self, args: Sequence[str] | None = None, prog_name: str | None = None, **extra: Any) -> Any:
+    def main(  # type: ignore[override]
+        self, args: Sequence[str] | None = None, prog_name: str | None = None, **extra: Any
+    ) -> Any:
         """Run a command line and exit."""
         try:
             code = super().main(args, prog_name, **{**extra, "standalone_mode": False})

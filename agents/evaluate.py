@@ -85,8 +85,15 @@ def make_agent(name: str, env: gymnasium.Env[Any, Any], seed: int = 0, model: An
                 raise InputError(f"{name}: trained on another {kind.replace('_', ' ')} than that of {base.spec.id}")
         return PolicyAgent(model)
     if name == "scripted":
-        return ScriptedAgent(base.observation_space, base.action_space, base.semantic_types)
+        return scripted_agent(base)
     return RandomAgent(base.action_space, seed)
+
+
+def scripted_agent(base: Any) -> ScriptedAgent:
+    """Return the scripted agent for an unwrapped environment: it is told what spaces, robot and sensors there are."""
+    return ScriptedAgent(
+        base.observation_space, base.action_space, base.semantic_types, base.robot, sight=base.sensors.range
+    )
 
 
 def load_model(agent: str) -> Any:
@@ -127,7 +134,8 @@ def evaluate(
     for episode in range(episodes):
         observation, _ = env.reset(seed=seed + episode)
         agent.reset()
-        done, steps, info = False, 0, {}
+        done, steps = False, 0
+        info: dict[str, Any] = {}
         while not done:
             observation, _, terminated, truncated, info = env.step(agent.act(observation))
             done, steps = terminated or truncated, steps + 1
@@ -149,11 +157,13 @@ def summarize(results: Sequence[Mapping[str, Any]]) -> dict[str, dict[str, float
             summary[key] = {"mean": None, "low": None, "high": None, "n": 0}
             continue
         mean = float(np.mean(values))
+        low: float | None = None
+        high: float | None = None
         if all(isinstance(value, bool) for value in values):
             low, high = wilson(mean, len(values))
-        else:
-            half = Z95 * float(np.std(values, ddof=1)) / math.sqrt(len(values)) if len(values) > 1 else None
-            low, high = (None, None) if half is None else (mean - half, mean + half)
+        elif len(values) > 1:
+            half = Z95 * float(np.std(values, ddof=1)) / math.sqrt(len(values))
+            low, high = mean - half, mean + half
         summary[key] = {"mean": mean, "low": low, "high": high, "n": len(values)}
     return summary
 

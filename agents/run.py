@@ -12,8 +12,8 @@ from typing import Any
 import gymnasium
 import numpy as np
 
+from agents.evaluate import scripted_agent
 from agents.recorder import Recorder
-from agents.scripted import ScriptedAgent
 from regionslam_env.config import SEMANTIC_TYPES
 from regionslam_env.missions.language import parse
 from regionslam_env.worlds.loading import load
@@ -95,7 +95,7 @@ def run_mission(settings: RunSettings, tell: Callable[[Moment], None] = lambda m
     try:
         observation, _ = env.reset(seed=settings.seed)
         base: Any = env.unwrapped
-        agent = ScriptedAgent(base.observation_space, base.action_space, base.semantic_types)
+        agent = scripted_agent(base)
         recorder = Recorder(base, settings.mission) if settings.out is not None else None
         info: dict[str, Any] = {}
         done, step = False, 0
@@ -117,7 +117,7 @@ def run_mission(settings: RunSettings, tell: Callable[[Moment], None] = lambda m
 def make_environment(settings: RunSettings, world: World) -> gymnasium.Env[Any, Any]:
     """Return the environment of a mission; the world's own types may be goals beside the usual ones."""
     (instruction,) = parse(settings.mission, world.types).instructions
-    types = SEMANTIC_TYPES
+    types: tuple[str, ...] = SEMANTIC_TYPES
     if instruction.type not in types:
         types = (*types[:-1], instruction.type, types[-1])
     return gymnasium.make(
@@ -125,16 +125,16 @@ def make_environment(settings: RunSettings, world: World) -> gymnasium.Env[Any, 
         world=world,
         goal=instruction.type,
         arrival="declare",
-        start_distance=settings.start_distance,
         max_steps=MAX_STEPS,
         max_regions=MAX_REGIONS,
         semantic_types=types,
         localization=settings.localization,
         noise=settings.noise,
+        **({} if settings.start_distance is None else {"start_distance": settings.start_distance}),
     )
 
 
-def _moment(base: Any, agent: ScriptedAgent, step: int) -> Moment:
+def _moment(base: Any, agent: Any, step: int) -> Moment:
     place = base.belief.map.describe(base.belief.pose_mean) if step % 10 == 1 else ""
     return Moment(step, step * base.robot.step, base.simulation.path_length, agent.say(), place)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 from pathlib import Path
 from types import TracebackType
@@ -10,13 +11,17 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-COLOURS = 240
+from slam.storage import replacing
+
+OWN_COLOURS = 128
+LEVELS = (0, 64, 128, 191, 255)
 
 
 class GifWriter:
     """Collects frames and writes them as one looping GIF on leaving the `with` block without an error.
 
-    Frames are reduced to the palette of the first (its legend shows every colour) as they come, without dithering.
+    Frames are reduced to one palette as they come, without dithering: the colours of the first (its legend shows most of
+    them), and a coarse cube for what appears later.
 
     Parameters
     ----------
@@ -41,7 +46,7 @@ class GifWriter:
         """Append a frame of shape (height, width, 3)."""
         image = Image.fromarray(frame)
         if self._palette is None:
-            self._palette = image.quantize(COLOURS, method=Image.Quantize.MEDIANCUT)
+            self._palette = _palette(image)
         self._frames.append(image.quantize(palette=self._palette, dither=Image.Dither.NONE))
 
     def __len__(self) -> int:
@@ -56,9 +61,7 @@ class GifWriter:
     def write(self) -> None:
         """Write to a temporary file beside the target and move it there."""
         durations = [self.frame_ms] * (len(self._frames) - 1) + [self.last_ms]
-        temporary = self.path.with_name(f".{self.path.name}.{os.getpid()}.part")
-        self.path.parent.mkdir(parents=True, exist_ok=True)
-        try:
+        with replacing(self.path) as temporary:
             self._frames[0].save(
                 temporary,
                 format="GIF",
@@ -68,6 +71,12 @@ class GifWriter:
                 loop=0,
                 optimize=False,
             )
-            temporary.replace(self.path)
-        finally:
-            temporary.unlink(missing_ok=True)
+
+
+def _palette(image: Image.Image) -> Image.Image:
+    """Return a palette of 128 colours of an image and 125 spread evenly over all colours."""
+    own = image.quantize(OWN_COLOURS, method=Image.Quantize.MEDIANCUT).getpalette() or []
+    cube = [level for colour in itertools.product(LEVELS, repeat=3) for level in colour]
+    palette = Image.new("P", (1, 1))
+    palette.putpalette(own[: 3 * OWN_COLOURS] + cube)
+    return palette

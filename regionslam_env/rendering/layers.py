@@ -165,7 +165,7 @@ def draw_lidar(
                 panel.disc(pixel, 1.4, LIDAR)
 
 
-def draw_path(panel: Panel, view: Viewport, path: ArrayLike, colour: Colour, width: float = 1.6) -> None:
+def draw_path(panel: Panel, view: Viewport, path: ArrayLike, colour: Colour, width: float = 2.0) -> None:
     """Draw a path, shape (k, 2 or more) in m."""
     points = np.asarray(path, dtype=np.float64)
     if len(points) > MAX_PATH_POINTS:
@@ -179,6 +179,7 @@ def draw_robot(panel: Panel, view: Viewport, pose: ArrayLike, radius: float, col
     size = max(radius, smallest / view.scale)
     local = view.seen_from(pose)
     centre = local.pixels([(0.0, 0.0)])[0]
+    panel.keep_clear(centre, size * view.scale + 2)
     panel.disc(centre, size * view.scale + 1.5, PAPER)
     panel.disc(centre, size * view.scale, colour)
     nose = np.array([[0.78, 0.0], [-0.42, 0.55], [-0.15, 0.0], [-0.42, -0.55]]) * size

@@ -27,6 +27,7 @@ GAP = 16
 TEXT = 13
 
 Sign = Callable[[Panel, float, float], None]
+NamedSign = tuple[str, Sign]
 
 
 def _closed(panel: Panel, x: float, y: float) -> None:
@@ -66,7 +67,7 @@ def _goal(panel: Panel, x: float, y: float) -> None:
     )
 
 
-SIGNS: tuple[tuple[str, Sign], ...] = (
+SIGNS: tuple[NamedSign, ...] = (
     ("goal", _goal),
     ("edge seen", _closed),
     ("edge still open", _open),
@@ -78,7 +79,7 @@ SIGNS: tuple[tuple[str, Sign], ...] = (
 )
 
 
-def legend_height(width: int, types: Sequence[str], signs: Sequence[tuple[str, Sign]] = SIGNS) -> int:
+def legend_height(width: int, types: Sequence[str], signs: Sequence[NamedSign] = SIGNS) -> int:
     """Return how many pixels the legend needs below its top, within a width in px."""
     return ROW * (1 + _places(width, types, [name for name, _ in signs])[-1][0]) + 10
 
@@ -89,7 +90,7 @@ def draw_legend(
     y: int,
     width: int,
     types: Sequence[str],
-    signs: Sequence[tuple[str, Sign]] = SIGNS,
+    signs: Sequence[NamedSign] = SIGNS,
 ) -> None:
     """Draw the legend with its upper left corner at (x, y) of a picture: types first, then the signs."""
     panel = Panel((width, legend_height(width, types, signs)), PAPER)

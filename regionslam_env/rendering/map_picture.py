@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 from PIL import Image, ImageDraw
 
 from regionslam_env.rendering.layers import draw_ellipse, draw_links, draw_path, draw_regions, draw_robot, draw_world
-from regionslam_env.rendering.legend import SIGNS, Sign, draw_legend, legend_height
+from regionslam_env.rendering.legend import SIGNS, NamedSign, draw_legend, legend_height
 from regionslam_env.rendering.palette import BELIEF, FAINT, FLOOR, INK, MUTED, PAPER, UNSEEN, font
 from regionslam_env.rendering.panel import Panel, Viewport
 from regionslam_env.rendering.shapes import Shape, shapes_of_world
@@ -36,7 +36,7 @@ def draw_map(
     Parameters
     ----------
     shapes
-        Regions in the map frame (`shapes_of_map`, `shapes_of_records`).
+        Regions in the map frame (`shapes_of_map`).
     pose, covariance, path
         Believed pose, its covariance and the path so far in the map frame, shapes (3,), (3, 3) and (k, 2 or more).
     goal
@@ -85,7 +85,7 @@ def _height(width: int, extent_x: float, extent_y: float) -> int:
 
 
 def _compose(
-    panel: Panel, scale: float, shapes: Sequence[Shape], title: str, signs: Sequence[Sign] = MAP_SIGNS
+    panel: Panel, scale: float, shapes: Sequence[Shape], title: str, signs: Sequence[NamedSign] = MAP_SIGNS
 ) -> Image.Image:
     """Add title, scale and legend."""
     types = tuple(sorted({shape.type for shape in shapes}))

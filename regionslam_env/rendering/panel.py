@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from PIL import Image, ImageDraw
 
-from regionslam_env.rendering.palette import Colour, text_mask
+from regionslam_env.rendering.palette import Colour, text_mask, text_width
 from slam.rows import Floats
 
 SUPERSAMPLING = 2
@@ -79,6 +79,7 @@ class Panel:
         self._draw = ImageDraw.Draw(self._image)
         self._glaze = ImageDraw.Draw(self._image, "RGBA")  # blends translucent colours, and takes longer
         self._texts: list[tuple[float, float, str, Colour, int]] = []
+        self._kept_clear: tuple[float, float, float] | None = None
 
     def polygon(self, points: Pixels, fill: Colour, alpha: float = 1.0) -> None:
         """Fill a polygon."""
@@ -99,7 +100,7 @@ class Panel:
     def line(self, points: Pixels, colour: Colour, width: float = 1.0) -> None:
         """Draw an open line."""
         if len(points) > 1:
-            joint = "curve" if len(points) > 2 and width > 2 else None
+            joint = "curve" if len(points) > 2 and width >= 2 else None
             self._draw.line(_double(points), colour, _thick(width), joint=joint)
 
     def dashes(self, start: tuple[float, float], end: tuple[float, float], colour: Colour, width: float = 1.0) -> None:
@@ -124,6 +125,10 @@ class Panel:
         """Set a text with its middle at (x, y) on the finished picture."""
         self._texts.append((x, y, text, colour, size))
 
+    def keep_clear(self, centre: tuple[float, float], radius: float) -> None:
+        """Move texts aside that would cover a disc."""
+        self._kept_clear = (*centre, radius)
+
     def engrave(self) -> None:
         """Draw the texts set so far into the layer, to start other panels from it."""
         for x, y, text, colour, size in self._texts:
@@ -139,8 +144,18 @@ class Panel:
         """Return the finished picture."""
         image = self._image.reduce(SUPERSAMPLING)
         for x, y, text, colour, size in self._texts:
-            _set(image, x, y, text, colour, size)
+            _set(image, x + self._aside(x, y, text, size), y, text, colour, size)
         return image
+
+    def _aside(self, x: float, y: float, text: str, size: int) -> float:
+        """Return how far to the right a text has to move, px."""
+        if self._kept_clear is None:
+            return 0.0
+        cx, cy, radius = self._kept_clear
+        reach = text_width(text, size) / 2 + radius + 4
+        if abs(y - cy) > size / 2 + radius or abs(x - cx) > reach:
+            return 0.0
+        return cx + reach - x if cx + reach + text_width(text, size) / 2 < self.size[0] else cx - reach - x
 
 
 def _set(image: Image.Image, x: float, y: float, text: str, colour: Colour, size: int) -> None:

@@ -1,16 +1,15 @@
-"""Regions as they are drawn, whether true, in the filter's records or in a `RegionMap`."""
+"""Regions as they are drawn, true ones and those of a `RegionMap`."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from regionslam_env.worlds.world import World
-from slam.region import EdgeState, RegionFeature, b_index, u_index
+from slam.region import EdgeState, RegionFeature
 from slam.rows import Floats, Row
 
 CREDIBLE_EXISTENCE = 0.5
@@ -90,33 +89,6 @@ def _rectangle_names(row: Row) -> list[tuple[str, str]]:
 def shapes_of_world(world: World) -> list[Shape]:
     """Return the true regions, labelled with their names."""
     return [Shape(r.id, r.type, r.name or r.type, r.row, parent=r.parent) for r in world.regions]
-
-
-def shapes_of_records(features: NDArray[np.void], types: Sequence[str]) -> list[Shape]:
-    """Return the credible regions of a particle's map, a record array of `REGION` (slots with ``n == 0`` are free)."""
-    shapes = []
-    for m in features:
-        if m.n == 0 or m.rival >= 0 or _sigmoid(m.existence) < CREDIBLE_EXISTENCE:
-            continue
-        n = int(m.n)
-        u = [float(m.state[u_index(k)]) for k in range(n + 1)]
-        b = [float(m.state[b_index(i)]) for i in range(n)]
-        t = [float(m.state[b_index(i) + 1]) for i in range(n)]
-        if np.any(np.diff(u) <= 0) or any(low >= high for low, high in zip(b, t, strict=True)):
-            continue
-        main = 1 if n == 3 else int(m.main)
-        row = Row(
-            float(m.anchor[0]), float(m.anchor[1]), float(m.state[0]), np.array(u), np.array(b), np.array(t), main
-        )
-        closed = {}
-        for i, (top, bottom) in enumerate(_rectangle_names(row)):
-            closed[bottom], closed[top] = bool(m.closed[b_index(i)]), bool(m.closed[b_index(i) + 1])
-        closed["ll" if main > 0 else "l"] = bool(m.closed[u_index(0)])
-        closed["rr" if main < n - 1 else "r"] = bool(m.closed[u_index(n)])
-        certainty = _sigmoid(m.existence) * _sigmoid(m.type_log_odds)
-        name = types[m.type]
-        shapes.append(Shape(int(m.id), name, name, row, closed, certainty))
-    return shapes
 
 
 def shapes_of_map(regions: Iterable[RegionFeature]) -> list[Shape]:

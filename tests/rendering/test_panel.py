@@ -1,0 +1,64 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from regionslam_env.rendering.panel import Panel, Viewport
+
+WHITE, BLACK, RED = (255, 255, 255), (0, 0, 0), (255, 0, 0)
+
+
+def test_the_viewport_turns_y_upwards():
+    view = Viewport.fit((0, 0, 10, 5), (120, 70), margin=10)
+    assert view.scale == 10
+    assert view.pixels([(0, 0), (10, 5), (0, 5)]) == [(10, 60), (110, 10), (10, 10)]
+
+
+def test_the_narrower_side_decides_the_scale_and_the_rest_is_centred():
+    view = Viewport.fit((0, 0, 10, 5), (120, 200), margin=10)
+    assert view.pixels([(5, 2.5)]) == [(60, 100)]
+    assert view.scale == 10
+
+
+def test_points_of_a_turned_frame():
+    view = Viewport.centred(0, 0, 10, (100, 100)).seen_from((1.0, 2.0, np.pi / 2))
+    # One metre ahead of a pose that looks up: (1, 3) in the world.
+    assert view.pixels([(1.0, 0.0)]) == [pytest.approx((60, 20))]
+
+
+def test_a_polygon_fills_exactly_its_pixels():
+    panel = Panel((10, 10), WHITE)
+    panel.polygon([(2, 2), (6, 2), (6, 6), (2, 6)], RED)
+    image = np.asarray(panel.finish())
+    assert (image[3, 3] == RED).all() and (image[8, 8] == WHITE).all() and (image[3, 8] == WHITE).all()
+
+
+def test_a_dashed_segment_has_gaps_and_dashes_at_both_ends():
+    panel = Panel((100, 10), WHITE)
+    panel.dashes((10, 5), (90, 5), BLACK, 2)
+    dark = np.asarray(panel.finish())[:, :, 0].min(axis=0) < 128
+    assert dark[11] and dark[88]
+    inked = np.flatnonzero(np.diff(dark[10:90].astype(int)))
+    assert len(inked) >= 16  # at least eight gaps
+    assert not dark[:9].any() and not dark[92:].any()
+
+
+def test_a_panel_starts_from_a_layer_without_changing_it():
+    base = Panel((10, 10), WHITE)
+    panel = Panel((10, 10), base.layer)
+    panel.polygon([(0, 0), (10, 0), (10, 10), (0, 10)], BLACK)
+    assert (np.asarray(base.finish()) == 255).all()
+    assert (np.asarray(panel.finish())[2:8, 2:8] == 0).all()
+
+
+def test_texts_move_aside_for_the_robot():
+    plain, moved = Panel((200, 40), WHITE), Panel((200, 40), WHITE)
+    for panel in (plain, moved):
+        panel.text(100, 20, "kitchen", BLACK, 12)
+    moved.keep_clear((100, 20), 8)
+
+    def inked(panel: Panel) -> np.ndarray:
+        return np.flatnonzero((np.asarray(panel.finish())[:, :, 0] < 128).any(axis=0))
+
+    assert 95 < np.median(inked(plain)) < 105
+    assert inked(moved).min() > 108
