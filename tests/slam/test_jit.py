@@ -96,10 +96,7 @@ def test_a_change_of_a_helper_in_another_file_is_seen(package: Path) -> None:
         paths = [str(package.parent), str(Path(slam.__file__).parent.parent)]
         environment = {**os.environ, "PYTHONPATH": os.pathsep.join(paths), "PYTHONDONTWRITEBYTECODE": "1"}
         code = "from kernels.kernel import scaled; print(scaled(10), sum(scaled.stats.cache_hits.values()))"
-        result = subprocess.run(
-            [sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True
-        )
-        return result.stdout.strip()
+        return subprocess.check_output([sys.executable, "-c", code], env=environment, text=True).strip()
 
     assert run() == "20 0"
     assert run() == "20 1"  # the cache works at all

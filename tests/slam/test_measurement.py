@@ -108,7 +108,7 @@ def test_records_are_wrapped_without_a_copy() -> None:
     ],
 )
 def test_impossible_measurements_are_refused(fields: dict[str, object], message: str) -> None:
-    with pytest.raises(ValueError, match=r"measurement 1 \('office'\): " + message):
+    with pytest.raises(ValueError, match=r"(?s)measurement 1 \('office'\): " + message):
         Scan([office(), office(**fields)])
 
 
