@@ -45,6 +45,7 @@ def assemble(
     openings: Sequence[Opening],
     furniture: Sequence[Region] = (),
     borders: Iterable[Floats] | None = None,
+    jambs: Floats | None = None,
     level: str = "0",
     spawn: tuple[float, float, float] | None = None,
 ) -> World:
@@ -60,6 +61,8 @@ def assemble(
         Regions that are obstacles as well; `parent` names the room.
     borders
         Outlines (k, 2) to stand walls on; default: the outlines of the rooms.
+    jambs
+        Further walls (k, 4), which no opening cuts.
     """
     outlines = [room.row.outline() for room in rooms] if borders is None else borders
     sides = [_sides(ring) for ring in outlines]
@@ -74,6 +77,8 @@ def assemble(
         door_regions.append(region)
         for room_id in gap.regions:
             links.append(link_between(region, by_id[room_id]))
+    if jambs is not None:
+        walls = np.concatenate([walls, jambs])
     obstacles = tuple(corners for item in furniture for corners in item.row.rectangles())
     regions = (*rooms, *door_regions, *furniture)
     return World(name, regions, walls, tuple(doors), obstacles, tuple(links), level, spawn)

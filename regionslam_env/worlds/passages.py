@@ -1,0 +1,123 @@
+"""Where a door fits between two rooms whose borders run side by side, though perhaps not on one line."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from regionslam_env.worlds.floorplan import DOOR_DEPTH, Opening
+from slam.rows import Floats
+
+PARALLEL = np.radians(20.0)
+"""Largest angle (rad) between the two borders."""
+
+FARTHEST = 1.2
+"""Largest distance (m) of the two borders."""
+
+MARGINS = (0.25, 0.1, 0.02)
+"""Distances of the opening from the ends of the borders (m), tried in this order."""
+
+
+def fit_opening(
+    name: str,
+    regions: tuple[str, str],
+    outlines: tuple[Floats, Floats],
+    point: tuple[float, float],
+    others: Sequence[Floats] = (),
+    width: float = 0.9,
+    least: float = 0.75,
+    reach: float = 3.0,
+) -> Opening | None:
+    """Return the opening nearest to a point through two borders, or None where there is none.
+
+    Parameters
+    ----------
+    name
+        Id of the opening.
+    regions, outlines
+        Ids and closed outlines (k, 2) of the two rooms, m.
+    point
+        Where the door is said to be, m.
+    others
+        Outlines of the other rooms; an opening that meets one of their corners is the last choice.
+    width, least
+        Width of the opening, and what is accepted where that does not fit, m.
+    reach
+        Farthest from the point, m.
+    """
+    for span in (width, (width + least) / 2, least):
+        for margin in MARGINS:
+            found = _candidates(outlines, np.array(point), span, margin, reach, others)
+            if found:
+                _, centre, along, depth = min(found, key=lambda candidate: round(candidate[0], 6))
+                start, end = centre - along * span / 2, centre + along * span / 2
+                return Opening(name, regions, *map(float, (*start, *end)), depth=depth)
+    return None
+
+
+def jambs(opening: Opening, inset: float = 0.0) -> Floats:
+    """Return the walls on both sides of an opening that is deeper than a wall, shape (0 or 2, 4), m."""
+    if opening.depth <= DOOR_DEPTH + 1e-6:
+        return np.empty((0, 4))
+    half = (opening.depth - DOOR_DEPTH) / 2 + inset
+    start, end = np.array([opening.x0, opening.y0]), np.array([opening.x1, opening.y1])
+    along = (end - start) / np.hypot(*(end - start))
+    across = np.array([-along[1], along[0]]) * half
+    return np.array([[*(start - across), *(start + across)], [*(end - across), *(end + across)]])
+
+
+def _candidates(
+    outlines: tuple[Floats, Floats],
+    point: Floats,
+    width: float,
+    margin: float,
+    reach: float,
+    others: Sequence[Floats],
+) -> list[tuple[float, Floats, Floats, float]]:
+    """Return (cost, centre, direction, depth) of every pair of sides between which an opening fits."""
+    found = []
+    for start, end in _sides(outlines[0]):
+        length = float(np.hypot(*(end - start)))
+        if length < width:
+            continue
+        along = (end - start) / length
+        across = np.array([-along[1], along[0]])
+        for other_start, other_end in _sides(outlines[1]):
+            side = other_end - other_start
+            if abs(along @ side) < np.cos(PARALLEL) * np.hypot(*side) or along @ side > 0:
+                continue  # both outlines turn counter-clockwise, so facing sides run in opposite directions
+            u = np.sort([(other_start - start) @ along, (other_end - start) @ along])
+            low, high = max(0.0, u[0]) + margin + width / 2, min(length, u[1]) - margin - width / 2
+            if low > high + 1e-9:
+                continue
+            place = min(max(float((point - start) @ along), low), high)
+            slope = (side @ across) / (side @ along)
+            offsets = [
+                (other_start - start) @ across + slope * (place + f * width / 2 - (other_start - start) @ along)
+                for f in (-1.0, 0.0, 1.0)
+            ]
+            if abs(offsets[1]) > FARTHEST:
+                continue
+            near, far = min(0.0, *offsets), max(0.0, *offsets)
+            centre = start + along * place + across * (near + far) / 2
+            shift = float(np.hypot(*(centre - point)))
+            if shift > reach:
+                continue
+            depth = DOOR_DEPTH + far - near
+            crossed = sum(_meets(outline, centre, along, width, depth) for outline in others)
+            found.append((shift + 2 * abs(offsets[1]) + 4 * crossed, centre, along, depth))
+    return found
+
+
+def _meets(outline: Floats, centre: Floats, along: Floats, width: float, depth: float) -> bool:
+    """Return whether an outline has a point inside the box of an opening."""
+    across = np.array([-along[1], along[0]])
+    following = np.roll(outline, -1, axis=0)
+    points = np.concatenate([outline + f * (following - outline) for f in np.linspace(0, 1, 41)[:-1]]) - centre
+    inside = (np.abs(points @ along) < width / 2 - 0.01) & (np.abs(points @ across) < depth / 2 - 0.01)
+    return bool(inside.any())
+
+
+def _sides(outline: Floats) -> list[tuple[Floats, Floats]]:
+    return list(zip(outline, np.roll(outline, -1, axis=0), strict=True))

@@ -1,0 +1,146 @@
+"""From a drawn plan (room polygons and points where doors are) to a world. Every importer ends here."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import shapely
+
+from regionslam_env.errors import WorldError, unknown
+from regionslam_env.worlds.alignment import align
+from regionslam_env.worlds.annotate import annotate, side_directions
+from regionslam_env.worlds.floorplan import Opening, assemble
+from regionslam_env.worlds.passages import fit_opening, jambs
+from regionslam_env.worlds.world import Region, World
+from slam.rows import Floats, Row
+
+GOOD = 0.93
+"""IoU from which a room's walls stand where its row says; below, they follow its polygon."""
+
+OWN_HEADING = 0.03
+"""IoU that a row of its own heading must gain over one parallel to the building."""
+
+
+@dataclass(frozen=True, eq=False)
+class Space:
+    """A room as drawn: outline in metres."""
+
+    id: str
+    type: str
+    name: str
+    polygon: shapely.Polygon
+
+
+@dataclass(frozen=True)
+class Portal:
+    """A door as drawn: a point (m) and the ids of the two spaces that it joins."""
+
+    x: float
+    y: float
+    spaces: tuple[str, str]
+
+
+def build(name: str, spaces: Sequence[Space], portals: Sequence[Portal], door_width: float = 0.9) -> World:
+    """Return the world of a plan.
+
+    Rooms become rows of at most three rectangles; edges of neighbours that lie close together are moved onto one line, on
+    which the wall stands. A door is cut through both borders where they run side by side nearest to its point.
+
+    Raises
+    ------
+    WorldError
+        For a plan without spaces, or a door that names an unknown space.
+    """
+    if not spaces:
+        raise WorldError(f"plan {name!r}: no space with an outline, expected at least one")
+    spaces = _without_overlaps(spaces)
+    heading = building_heading(spaces)
+    rows, fits = zip(*(_annotated(space.polygon, heading) for space in spaces), strict=True)
+    rows = tuple(align(rows, heading))
+    rooms = [Region(s.id, s.type, s.name, row) for s, row in zip(spaces, rows, strict=True)]
+    outlines = {
+        s.id: row.outline() if fit >= GOOD else _ring(s.polygon)
+        for s, row, fit in zip(spaces, rows, fits, strict=True)
+    }
+    openings = _openings(name, portals, outlines, door_width)
+    extra = [segment for opening in openings for segment in jambs(opening)]
+    return assemble(name, rooms, openings, borders=list(outlines.values()), jambs=np.array(extra).reshape(-1, 4))
+
+
+def building_heading(spaces: Sequence[Space]) -> float:
+    """Return the direction of most walls, modulo 90 degrees, rad."""
+    rings = [shapely.get_coordinates(space.polygon.exterior) for space in spaces]
+    sides = np.concatenate([np.diff(ring, axis=0) for ring in rings])
+    lengths = np.hypot(sides[:, 0], sides[:, 1])
+    turned = lengths * np.exp(4j * np.arctan2(sides[:, 1], sides[:, 0]))
+    straight = [h for s in spaces for h in side_directions(s.polygon, most=1)]
+    near = np.median(np.array(straight)) if straight else float(np.angle(turned.sum())) / 4
+    return 0.0 if abs(near) < np.radians(1.0) else float(near)
+
+
+def _annotated(polygon: shapely.Polygon, heading: float) -> tuple[Row, float]:
+    """Return the row along the building, or along the room's own sides where that fits better."""
+    row, iou = annotate(polygon, [heading])
+    if iou < 1 - OWN_HEADING:
+        own_row, own_iou = annotate(polygon)
+        if own_iou > iou + OWN_HEADING:
+            return own_row, own_iou
+    return row, iou
+
+
+def _without_overlaps(spaces: Sequence[Space]) -> list[Space]:
+    """Take what a smaller space covers out of the larger one, where that leaves one piece without a hole."""
+    polygons = [shapely.orient_polygons(_largest(shapely.make_valid(s.polygon))) for s in spaces]
+    order = np.argsort([-p.area for p in polygons], kind="stable")
+    for position, i in enumerate(order):
+        for j in order[position + 1 :]:
+            if polygons[i].intersection(polygons[j]).area < 0.05:
+                continue
+            rest = _largest(polygons[i].difference(polygons[j]))
+            if not rest.is_empty and not rest.interiors and rest.area > 0.5 * polygons[i].area:
+                polygons[i] = shapely.orient_polygons(rest)
+    return [replace(s, polygon=p) for s, p in zip(spaces, polygons, strict=True)]
+
+
+def _largest(shape: shapely.Geometry) -> shapely.Polygon:
+    parts = [p for p in shapely.get_parts(shape) if isinstance(p, shapely.Polygon)]
+    return max(parts, key=lambda p: p.area, default=shapely.Polygon())
+
+
+def _ring(polygon: shapely.Polygon) -> Floats:
+    """Return a polygon's outline without its last point, counter-clockwise."""
+    ring = shapely.get_coordinates(shapely.simplify(polygon, 0.05).exterior)[:-1]
+    return ring if shapely.is_ccw(polygon.exterior) else ring[::-1]
+
+
+def _openings(name: str, portals: Sequence[Portal], outlines: dict[str, Floats], width: float) -> list[Opening]:
+    """Return an opening for every portal that can have one; two of one pair within its width are the same."""
+    openings: list[Opening] = []
+    for portal in portals:
+        for space in portal.spaces:
+            if space not in outlines:
+                raise WorldError(f"plan {name!r}: portal at ({portal.x:.2f}, {portal.y:.2f}): {unknown('space', space, outlines)}")
+        first, second = portal.spaces
+        others = [outline for key, outline in outlines.items() if key not in portal.spaces]
+        found = fit_opening(
+            f"door {len(openings) + 1}",
+            (first, second),
+            (outlines[first], outlines[second]),
+            (portal.x, portal.y),
+            others,
+            width,
+        )
+        if found is None or any(_same(found, other) for other in openings):
+            continue
+        openings.append(found)
+    return openings
+
+
+def _same(first: Opening, second: Opening) -> bool:
+    """Return whether two openings of one pair of rooms overlap."""
+    if set(first.regions) != set(second.regions):
+        return False
+    gap = np.hypot(first.x0 + first.x1 - second.x0 - second.x1, first.y0 + first.y1 - second.y0 - second.y1) / 2
+    return bool(gap < 1.2)
