@@ -1,7 +1,7 @@
 """Rays among segments, and the lists of what lies within reach of a place.
 
-Rays start at the sensor, evenly over a full turn, counter-clockwise: the first one looks straight back (-pi), the middle
-one of an even number straight ahead.
+Rays start at the sensor, evenly over a full turn, counter-clockwise: the first one looks straight back (-pi), the
+middle one of an even number straight ahead.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ _ROUNDING = 1e-9  # of a ray's index
 
 def ray_angles(count: int) -> Floats:
     """Return the angles of `count` rays in the sensor's frame, rad, ascending from -pi."""
-    return -math.pi + 2 * math.pi / count * np.arange(count)
+    return np.arange(count, dtype=np.float64) * (2 * math.pi / count) - math.pi
 
 
 def ray_directions(count: int) -> Floats:
@@ -44,8 +44,8 @@ def cast(
 ) -> None:
     """Write the distance to the nearest segment along every ray.
 
-    An angular z-buffer: each segment visits only the rays it subtends. Along a ray with direction d, a segment from p to q
-    lies at 1 / (d · m) with a vector m of its own, so the buffer holds inverse distances and no ray is divided twice.
+    An angular z-buffer: each segment visits only the rays it subtends. Along a ray with direction d, a segment from p
+    to q lies at 1 / (d · m) with a vector m of its own, so the buffer holds inverse distances, one division a ray.
 
     Parameters
     ----------

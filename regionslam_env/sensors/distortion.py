@@ -37,24 +37,24 @@ def distort(scan: Scan, noise: NoiseConfig, confidence: float, rng: np.random.Ge
     count = rng.poisson(noise.false_positives) if scan.view is not None and scan.types else 0
     invented = [_invent(scan, noise, confidence, rng) for _ in range(count)]
     if invented:
-        records = np.concatenate([records, np.array(invented, MEASUREMENT)])
+        records = np.concatenate([records, *invented])
     return Scan.from_records(records, scan.types, _links_among(scan.links, kept), scan.view)
 
 
-def _invent(scan: Scan, noise: NoiseConfig, confidence: float, rng: np.random.Generator) -> np.void:
-    """Return a closed rectangle of random type and size somewhere in view."""
-    told, record = noise.regions, np.zeros((), MEASUREMENT)
+def _invent(scan: Scan, noise: NoiseConfig, confidence: float, rng: np.random.Generator) -> NDArray[np.void]:
+    """Return a closed rectangle of random type and size somewhere in view, shape (1,)."""
+    told, record = noise.regions, np.zeros(1, MEASUREMENT)
     view = np.asarray(scan.view)
     place = math.sqrt(rng.random()) * view[rng.integers(len(view))]
-    width, height = rng.uniform(*_INVENTED_SIZES, 2)
+    width, height = rng.uniform(_INVENTED_SIZES[0], _INVENTED_SIZES[1], 2).tolist()
     record["type"], record["n"], record["confidence"] = rng.integers(len(scan.types)), 1, confidence
-    record["x"], record["y"], record["w"], record["h"] = *place, width, height
+    record["x"], record["y"], record["w"], record["h"] = place[0], place[1], width, height
     record["phi"] = rng.uniform(-math.pi / 2, math.pi / 2)
-    record["edges"][:4] = EdgeState.CLOSED
+    record["edges"][:, :4] = EdgeState.CLOSED
     record["cov_xy"] = np.eye(2) * told.sigma_xy**2
     record["cov_wh"] = np.diag([told.variance_of_size(width), told.variance_of_size(height)])
     record["var_phi"] = told.sigma_phi**2
-    return record[()]
+    return record
 
 
 def _links_among(links: NDArray[np.void], kept: NDArray[np.bool_]) -> NDArray[np.void]:

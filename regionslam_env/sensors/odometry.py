@@ -14,8 +14,8 @@ from slam.motion import Odometry
 class OdometrySensor:
     """Measures the motion between two true poses.
 
-    The distance has a variance that grows with the metres driven, the rotation one that grows with the metres driven and
-    with the radians turned; a robot that stands still measures exactly nothing.
+    The distance has a variance that grows with the metres driven, the rotation one that grows with the metres driven
+    and with the radians turned; a robot that stands still measures exactly nothing.
 
     Parameters
     ----------

@@ -1,7 +1,7 @@
 """The measured part of a row: cut to what is seen, turned into the canonical orientation, written with noise.
 
-A part is held as boundaries relative to the sensor along the row's axes: `u` (4,), `b` (3,), `t` (3,), and the states of
-its edges: `states` (8,) holds those of the left and the right end, then bottom and top of each rectangle.
+A part is held as boundaries relative to the sensor along the row's axes: `u` (4,), `b` (3,), `t` (3,), and the states
+of its edges: `states` (8,) holds those of the left and the right end, then bottom and top of each rectangle.
 """
 
 from __future__ import annotations
@@ -28,8 +28,8 @@ _OPEN, _CLOSED, _SUBRECT = 0, 1, 2  # EdgeState
 def visible_run(row: Any, sights: Floats, useful_length: float) -> tuple[int, int]:
     """Return the first rectangle and the number of rectangles of the longest run that is seen usefully.
 
-    A rectangle is, if the box around its visible part is `useful_length` (m) or half its size along both axes. Of equally
-    long runs the first counts, unless a later one holds the main rectangle.
+    A rectangle is, if the box around its visible part is `useful_length` (m) or half its size along both axes. Of
+    equally long runs the first counts, unless a later one holds the main rectangle.
     """
     best, longest, length = 0, 0, 0
     for i in range(row.n):
@@ -58,10 +58,10 @@ def cut_row(
     t: Floats,
     states: Ints,
 ) -> None:
-    """Write the part of a row that a sensor at (at_u, at_v) in the row's frame sees: rectangles first … first + count - 1.
+    """Write the part of a row that a sensor at (at_u, at_v) of the row's frame sees: `count` rectangles from `first`.
 
-    An edge is closed, and lies where it is annotated, if `closed_length` (m) or half of it is seen; else it is open and lies
-    where the view ends. A boundary towards a rectangle of the row that is not seen is open: the row goes on there.
+    An edge is closed, and lies where it is annotated, if `closed_length` (m) or half of it is seen; else it is open and
+    lies where the view ends. A boundary towards a rectangle of the row that is not seen is open: the row goes on there.
     """
     for i in range(count):
         k = first + i
@@ -134,6 +134,8 @@ def write_part(
     record.x = axis[0] * mid_u - axis[1] * mid_v + gain * sigma_xy * draws[0]
     record.y = axis[1] * mid_u + axis[0] * mid_v + gain * sigma_xy * draws[1]
     record.cov_xy[0, 0] = record.cov_xy[1, 1] = sigma_xy * sigma_xy
+    record.cov_xy[0, 1] = record.cov_xy[1, 0] = 0.0
+    record.cov_wh[0, 1] = record.cov_wh[1, 0] = 0.0
     record.var_phi = sigma_phi * sigma_phi
     sigma_w, sigma_h = _sigma(u[main + 1] - u[main], sigma_wh), _sigma(t[main] - b[main], sigma_wh)
     record.w = _noisy_size(u[main + 1] - u[main], gain * sigma_w * draws[2])
@@ -147,7 +149,8 @@ def write_part(
         for k in range(4 + 3 * side, 7 + 3 * side):
             record.edges[k] = 0
         record.sub_w[side] = record.sub_h[side] = record.sub_y[side] = record.sub_var_y[side] = 0.0
-        record.sub_cov_wh[side, 0, 0] = record.sub_cov_wh[side, 1, 1] = 0.0
+        for k in range(4):
+            record.sub_cov_wh[side, k // 2, k % 2] = 0.0
         if not here:
             continue
         w, h, k = u[i + 1] - u[i], t[i] - b[i], 5 + 3 * side

@@ -59,10 +59,10 @@ class RegionSensor:
         self._near_rows = NearbyIndex(_circle_boxes(self._rows), config.range)
         self._adjacency = _adjacency(arrays.links, len(self._rows))
         self._directions = ray_directions(config.n_view_rays)
-        self._open = 1.0 * (np.abs(ray_angles(config.n_view_rays)) <= config.field_of_view / 2 + 1e-9)
+        in_view = np.abs(ray_angles(config.n_view_rays)) <= config.field_of_view / 2 + 1e-9
+        self._open = in_view.astype(np.float64)
         self._ranges = np.empty(config.n_view_rays)
         self._normals = np.zeros(max(_BLOCK, DRAWS * len(self._rows)))
-        self._records = np.zeros(len(self._rows), MEASUREMENT)
         self._which = np.zeros(len(self._rows), np.int64)
         self._slots = np.full(len(self._rows), -1, np.int64)
         self._links = np.zeros(2 * len(arrays.links), LINK)
@@ -77,10 +77,11 @@ class RegionSensor:
     def measure(self, pose: NDArray[np.float64]) -> Scan:
         """Return what is seen from a true pose x (m), y (m), theta (rad), shape (3,)."""
         x, y, theta = pose.tolist()
-        ranges, directions = self._ranges, self._directions
-        cast(x, y, theta, self._reach, directions, self._walls, self._near_walls.near(x, y), ranges)
-        ranges *= self._open
-        nearby = self._near_rows.near(x, y)
+        ranges, directions, view = self._ranges, self._directions, np.empty((len(self._open), 2))
+        near_walls, nearby = self._near_walls.near(x, y), self._near_rows.near(x, y)
+        cast(x, y, theta, self._reach, directions, self._walls, near_walls, ranges)
+        outline(directions, ranges, self._open, view)
+        records = np.empty(len(nearby), MEASUREMENT)
         self._draw(len(nearby))
         count = scan_regions(
             x,
@@ -96,13 +97,13 @@ class RegionSensor:
             self._confidence,
             self._normals[self._drawn :],
             self._which,
-            self._records,
+            records,
         )
         self._drawn += count * DRAWS
+        self.sightings[self._which[:count]] += 1
         starts, neighbours = self._adjacency
-        links = write_links(self._which, count, starts, neighbours, self._link_confidence, self._slots, self._links)
-        view = np.ascontiguousarray((directions * ranges).T)
-        scan = Scan.from_records(self._records[:count].copy(), self._types, self._links[:links].copy(), view)
+        found = write_links(self._which, count, starts, neighbours, self._link_confidence, self._slots, self._links)
+        scan = Scan.from_records(records[:count], self._types, self._links[:found].copy(), view)
         noise = self._noise
         if noise.misclassification or noise.misses or noise.false_positives:
             return distort(scan, noise, self._confidence, self._rng)
@@ -113,6 +114,14 @@ class RegionSensor:
         if self._drawn + measurements * DRAWS > len(self._normals):
             self._rng.standard_normal(out=self._normals)
             self._drawn = 0
+
+
+@njit
+def outline(directions: Floats, ranges: Floats, open_rays: Floats, view: Floats) -> None:
+    """Cut rays outside the field of view (`open_rays` 0, else 1) to nothing and write where all end, shape (n, 2)."""
+    for k in range(ranges.shape[0]):
+        ranges[k] *= open_rays[k]
+        view[k, 0], view[k, 1] = directions[0, k] * ranges[k], directions[1, k] * ranges[k]
 
 
 @njit
@@ -197,7 +206,7 @@ def write_links(
 ) -> int:
     """Write the links between measured regions, both ways; return how many.
 
-    `starts` and `neighbours` list for each region those linked to it; `slots` holds -1 for every region, before and after.
+    `starts` and `neighbours` list the regions linked to each one; `slots` holds -1 for every region, before and after.
     """
     for k in range(count):
         slots[which[k]] = k

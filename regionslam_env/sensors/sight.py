@@ -1,7 +1,7 @@
 """What is seen of one rectangle: how much of each edge, and the box around its visible part.
 
-The view is a fan of beams, each between two neighbouring rays. A beam crosses an edge where both of its rays get that far.
-Everything is computed relative to the sensor, along the rectangle's own axes.
+The view is a fan of beams, each between two neighbouring rays. A beam crosses an edge where both of its rays get that
+far. Everything is computed relative to the sensor, along the rectangle's own axes.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ def look(
     reach: float,
     tolerance: float,
     seen: Floats,
-) -> int:
+) -> None:
     """Look at a rectangle.
 
     Parameters
@@ -51,19 +51,11 @@ def look(
     seen
         Written: metres seen of the top, bottom, left and right edge, then the box around the visible part (smallest and
         largest u, smallest and largest v; infinite and reversed where nothing is visible), shape (8,).
-
-    Returns
-    -------
-    int
-        Number of crossings of an edge by a beam.
     """
     left, right, bottom, top = bounds
     seen[:BOX_U] = 0.0
     seen[BOX_U] = seen[BOX_V] = math.inf
     seen[BOX_U + 1] = seen[BOX_V + 1] = -math.inf
-    crossings = 0
-    for edge in range(4):
-        crossings += _look_at_edge(edge, bounds, axis, directions, ranges, reach, tolerance, seen)
     if left <= 0 <= right and bottom <= 0 <= top:
         _stretch(seen, BOX_U, 0.0)
         _stretch(seen, BOX_V, 0.0)
@@ -73,7 +65,27 @@ def look(
             if left - _ROUNDING <= u <= right + _ROUNDING and bottom - _ROUNDING <= v <= top + _ROUNDING:
                 _stretch(seen, BOX_U, u)
                 _stretch(seen, BOX_V, v)
-    return crossings
+    else:
+        entered = 0
+        for edge in range(4):
+            if _faces(edge, bounds):
+                entered += _look_at_edge(edge, bounds, axis, directions, ranges, reach, tolerance, seen)
+        if entered == 0:
+            return
+    for edge in range(4):
+        if not _faces(edge, bounds):
+            _look_at_edge(edge, bounds, axis, directions, ranges, reach, tolerance, seen)
+
+
+@njit
+def _faces(edge: int, bounds: Bounds) -> bool:
+    """Return whether the rectangle lies behind this edge, seen from the sensor."""
+    left, right, bottom, top = bounds
+    if edge == TOP:
+        return top < 0
+    if edge == BOTTOM:
+        return bottom > 0
+    return left > 0 if edge == LEFT else right < 0
 
 
 @njit
@@ -87,21 +99,21 @@ def _look_at_edge(
     tolerance: float,
     seen: Floats,
 ) -> int:
-    """Follow the beams across one edge; return how many cross it.
+    """Follow the beams across one edge; return how many rays get through it into the rectangle or out of it.
 
-    The edge lies at `line` across and from `low` to `high` along. If the rectangle is behind it, rays end inside it as well.
+    The edge lies at `line` across and from `low` to `high` along. Rays that come in through it may end inside.
     """
     left, right, bottom, top = bounds
-    if edge == TOP or edge == BOTTOM:
+    if edge in (TOP, BOTTOM):
         line, far, low, high = (top, bottom, left, right) if edge == TOP else (bottom, top, left, right)
         across, along, across_x, across_y, along_x, along_y = BOX_V, BOX_U, -axis[1], axis[0], axis[0], axis[1]
     else:
         line, far, low, high = (left, right, bottom, top) if edge == LEFT else (right, left, bottom, top)
         across, along, across_x, across_y, along_x, along_y = BOX_U, BOX_V, axis[0], axis[1], -axis[1], axis[0]
-    distance, side = abs(line), 1.0 if line > 0 else -1.0
+    side = 1.0 if line > 0 else -1.0
+    distance, depth = line * side, far * side
     if distance < _ON_THE_LINE or distance > reach:
         return 0
-    depth = far * side  # beyond `distance` if the rectangle is behind the edge
     n = ranges.shape[0]
     first, last = _rays(
         line * across_x + low * along_x,
@@ -110,37 +122,41 @@ def _look_at_edge(
         line * across_y + high * along_y,
         n,
     )
-    before, at_before, crossings = 0, 0.0, 0
+    before, at_before, passed = 0, 0.0, 0
     for k in range(first, last + 1):
         i = k if k < n else k - n
         rise = side * (across_x * directions[0, i] + across_y * directions[1, i])
-        slide = along_x * directions[0, i] + along_y * directions[1, i]
         end = ranges[i] * rise
-        now, at = 0, 0.0
-        if rise > 0 and end >= distance - _ROUNDING:
+        if not end >= distance - tolerance or rise <= 0:
+            before = 0
+            continue
+        slide = along_x * directions[0, i] + along_y * directions[1, i]
+        stop = ranges[i] * slide
+        now, at = 0, stop
+        if end >= distance - _ROUNDING:
             now, at = 2, distance * slide / rise
-            stop = ranges[i] * slide
-            if end <= depth + _ROUNDING and low - _ROUNDING <= stop <= high + _ROUNDING:
-                _stretch(seen, across, side * end)
-                _stretch(seen, along, stop)
-        elif rise > 0 and end >= distance - tolerance and 0 < ranges[i] < reach:
-            now, at = 1, ranges[i] * slide
+            if end > distance + _ROUNDING and low <= at <= high:
+                passed += 1
+                if end <= depth + _ROUNDING and low - _ROUNDING <= stop <= high + _ROUNDING:
+                    _stretch(seen, across, side * end)
+                    _stretch(seen, along, stop)
+        elif 0 < ranges[i] < reach:
+            now = 1
         if now > 0 and before > 0:
             start, stop = max(min(at, at_before), low), min(max(at, at_before), high)
             if stop > start:
                 seen[edge] += stop - start
                 if now == 2 and before == 2:
-                    crossings += 1
                     _stretch(seen, across, line)
                     _stretch(seen, along, start)
                     _stretch(seen, along, stop)
         before, at_before = now, at
-    return crossings
+    return passed
 
 
 @njit
 def _rays(px: float, py: float, qx: float, qy: float, n: int) -> tuple[int, int]:
-    """Return the first and last of the beams' rays that meet the segment from p to q (sensor frame); they may exceed n."""
+    """Return the first and last ray of the beams that meet a segment from p to q (sensor frame); both may exceed n."""
     cross = px * qy - py * qx
     if cross < 0:
         px, py, qx, qy, cross = qx, qy, px, py, -cross
