@@ -64,7 +64,9 @@ def resolve_duplicates(
             m = regions[i, near[j]]
             if m.n > 0 and m.rival >= 0:
                 rival = regions[i, m.rival]
-                if rival.n == 0 or not share_place(m, rival):
+                # The slot may be free or hold another region by now, and the rival may have lost its lead.
+                outdone = rival.n > 0 and rival.type != m.type and rival.type_log_odds >= m.type_log_odds
+                if not outdone or not share_place(m, rival):
                     m.rival = -1
                 elif m.type_log_odds < -3.0:
                     m.n = 0
@@ -96,9 +98,13 @@ def rank(regions: Array, i: int, j: int) -> None:
     if not (contains(b, xa, ya, MARGIN) and contains(a, xb, yb, MARGIN)):
         return
     if a.type_log_odds > b.type_log_odds or (a.type_log_odds == b.type_log_odds and a.sightings >= b.sightings):
-        a.rival, b.rival = -1, i
+        b.rival = i
+        if a.rival == j:
+            a.rival = -1
     else:
-        a.rival, b.rival = j, -1
+        a.rival = j
+        if b.rival == i:
+            b.rival = -1
 
 
 @njit

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from slam.association import find_near
@@ -63,7 +61,7 @@ def is_expected(m: Record, pose: Array, view: Array, sensor_range: float) -> boo
     """Say whether a sensor at `pose` with this view should have measured the region."""
     c, s = np.cos(pose[2]), np.sin(pose[2])
     seen, total = 0, 0
-    least, most = np.pi, -np.pi
+    first, least, most = 0.0, 0.0, 0.0
     for i in range(m.n):
         for k in range(5):
             along = 0.5 if k == 0 else 0.2 + 0.6 * (k % 2)
@@ -77,6 +75,9 @@ def is_expected(m: Record, pose: Array, view: Array, sensor_range: float) -> boo
             if is_in_view(view, x, y, VIEW_MARGIN):
                 seen += 1
             angle = np.arctan2(y, x)
+            if total == 1:
+                first = angle
+            # From the first point, so that a small region behind the robot doesn't span a full turn.
+            angle = (angle - first + np.pi) % (2 * np.pi) - np.pi
             least, most = min(least, angle), max(most, angle)
-    # Points on both sides of the cut behind the robot span nearly a full turn: near enough to count as wide.
     return seen >= LEAST_SHARE * total and most - least > LEAST_ANGLE

@@ -209,6 +209,12 @@ def _checked_view(view: NDArray[np.float64]) -> NDArray[np.float64]:
     view = np.ascontiguousarray(view, dtype=np.float64)
     if view.ndim != 2 or view.shape[1] != 2 or len(view) < 3 or not np.all(np.isfinite(view)):
         raise ValueError(f"view is an array of shape {view.shape}, expected at least 3 finite points of shape (k, 2)")
+    if len(view) > 3 and np.array_equal(view[0], view[-1]):
+        view = np.ascontiguousarray(view[:-1])  # closed rings are common outside
+    x, y = view.T
+    area = float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)) / 2)
+    if not area > 0:
+        raise ValueError(f"view has a signed area of {area} m², expected a counter-clockwise polygon")
     return view
 
 

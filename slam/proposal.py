@@ -7,13 +7,14 @@ regions, and the product of the innovations' densities is the particle's importa
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from slam.edge_form import turn
 from slam.innovation import SLACK, condition, correspond, innovate, log_likelihood, n_closed, workspace, wrap
 from slam.jit import Array, Record, njit
+
+LOG_REFERENCE_HEADING = -np.log(2 * np.pi)
+"""Log density of a heading that is not explained, per rad: free of the unit of length, as every heading's is."""
 
 
 @njit
@@ -65,7 +66,7 @@ def propose(particles: Array, regions: Array, measured: Array, associations: Arr
         for j in range(len(measured)):
             a = associations[i, j]
             if a.slot < 0:
-                particle.log_weight += n_closed(measured[j, 0]) * p.log_reference
+                particle.log_weight += (n_closed(measured[j, 0]) - 1) * p.log_reference + LOG_REFERENCE_HEADING
                 continue
             z, m = measured[j, a.turn], regions[i, a.slot]
             if a.turn_map:
@@ -90,17 +91,25 @@ def propose(particles: Array, regions: Array, measured: Array, associations: Arr
 
 @njit
 def draw(particles: Array, normals: Array) -> None:
-    """Draw every pose from its proposal with standard normal numbers, shape (P, 3); the pose is certain afterwards."""
+    """Draw every pose from its proposal with standard normal numbers, shape (P, 3); the pose is certain afterwards.
+
+    The numbers count along the robot's axes, so that the results do not depend on how the map frame lies.
+    """
     for i in range(len(particles)):
         pose, cov = particles[i].pose, particles[i].cov
-        l00 = np.sqrt(max(cov[0, 0], 0.0))
-        l10 = cov[1, 0] / l00 if l00 > 0.0 else 0.0
-        l20 = cov[2, 0] / l00 if l00 > 0.0 else 0.0
-        l11 = np.sqrt(max(cov[1, 1] - l10 * l10, 0.0))
-        l21 = (cov[2, 1] - l20 * l10) / l11 if l11 > 0.0 else 0.0
+        c, s = np.cos(pose[2]), np.sin(pose[2])
+        xx, xy, yy = cov[0, 0], cov[1, 0], cov[1, 1]
+        l00 = np.sqrt(max(c * c * xx + 2 * c * s * xy + s * s * yy, 0.0))
+        scale = 1.0 / l00 if l00 > 0.0 else 0.0
+        l10 = (c * s * (yy - xx) + (c * c - s * s) * xy) * scale
+        l20 = (c * cov[2, 0] + s * cov[2, 1]) * scale
+        l11 = np.sqrt(max(s * s * xx - 2 * c * s * xy + c * c * yy - l10 * l10, 0.0))
+        l21 = (c * cov[2, 1] - s * cov[2, 0] - l20 * l10) / l11 if l11 > 0.0 else 0.0
         l22 = np.sqrt(max(cov[2, 2] - l20 * l20 - l21 * l21, 0.0))
-        pose[0] += l00 * normals[i, 0]
-        pose[1] += l10 * normals[i, 0] + l11 * normals[i, 1]
+        forward = l00 * normals[i, 0]
+        left = l10 * normals[i, 0] + l11 * normals[i, 1]
+        pose[0] += c * forward - s * left
+        pose[1] += s * forward + c * left
         pose[2] = wrap(pose[2] + l20 * normals[i, 0] + l21 * normals[i, 1] + l22 * normals[i, 2])
         cov[:] = 0.0
 

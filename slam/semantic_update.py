@@ -21,7 +21,8 @@ def update_semantics(
     """Sum the evidence for and against every region's type and apply eq. (13).
 
     The relevant measurements of a region, eq. (8), are those that could be measurements of the same place if type were
-    ignored: the candidates of data association below its gate. A desk is no evidence against the office around it.
+    ignored: the candidates of data association below its gate that overlap it. A desk is no evidence against the
+    office around it.
     The prior enters once, when the region is born, so (13) is applied to an inverse model completed with it.
     """
     turned = np.zeros_like(measured[:1, 0])
@@ -37,8 +38,9 @@ def update_semantics(
                     m = turned[0]
                 column = 0 if pair.same_type else 2
                 share = covered_share(z, m, pair.offset, particles[i].pose)
-                evidence[pair.slot, column] += z.confidence * share
-                evidence[pair.slot, column + 1] += 1
+                if share > 0.0:
+                    evidence[pair.slot, column] += z.confidence * share
+                    evidence[pair.slot, column + 1] += 1
         for c in range(n_candidates[i]):
             slot = candidates[i, c].slot
             supporting, n_supporting, opposing, n_opposing = evidence[slot]

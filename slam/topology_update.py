@@ -27,12 +27,14 @@ def logit(probability: float) -> Any:
 def measured_relations(measured: Array, links: Array, evidence: Array) -> None:
     """Fill `evidence` (M, M, 2) with the log-odds of measured links and of containment.
 
-    They are p(z_m -> z_n) and, where z_m overlaps z_n, eq. (18); zero means nothing was measured. Two linked measurements are neighbours, so neither is the other's child.
+    They are p(z_m -> z_n) and, where z_m overlaps z_n, eq. (18); zero means nothing was measured. Two linked
+    measurements are neighbours, so neither is the other's child.
     """
     n = len(measured)
     evidence[:] = 0.0
     for k in range(len(links)):
-        evidence[links[k].source, links[k].target, ADJACENT] = logit(links[k].confidence)
+        # A confidence of exactly one half is a measured link too, so it must not be 0.
+        evidence[links[k].source, links[k].target, ADJACENT] = logit(links[k].confidence) + 1e-12
     u, b, t = np.zeros((n, 4)), np.zeros((n, 3)), np.zeros((n, 3))
     area = np.zeros(n)
     for i in range(n):
