@@ -83,7 +83,7 @@ def cut_row(
 @njit
 def turn_part(count: int, u: Floats, b: Floats, t: Floats, states: Ints) -> None:
     """Describe a part in axes turned by pi: the last rectangle becomes the first."""
-    for i in range((count + 1) // 2):
+    for i in range(count // 2 + 1):
         j = count - i
         u[i], u[j] = -u[j], -u[i]
     states[0], states[1] = states[1], states[0]
