@@ -18,6 +18,10 @@ TOUCHING = 0.5
 """A door this near to a region belongs to it even before the link is believed, m."""
 
 
+LONG = 3.0
+"""One speaks of the end of a region that is this many times as long as it is wide on average."""
+
+
 class Regions(Protocol):
     """What is asked of a map; `RegionMap` answers it."""
 
@@ -48,7 +52,7 @@ def describe(regions: Regions, point: Point) -> str:
     """Return one sentence about where a point (x, y), m, lies among mapped regions.
 
     The region around it, and then what is near: a door or a piece of furniture that it is next to (within 1.5 m) or in
-    front of (2 m), the end of the hallway, or the middle of the room.
+    front of (2 m), the end of a long region, or the middle.
     """
     around = regions.regions_at(*point)
     rooms = [region for region in around if region.type not in PASSAGES and regions.parent(region) is None]
@@ -64,7 +68,7 @@ def describe(regions: Regions, point: Point) -> str:
     near = _what_is_near(regions, point, room)
     if near:
         return f"I am in {called(regions, room)}, {near}."
-    if at_the_end_of(point, room):
+    if _is_long(room) and at_the_end_of(point, room):
         return f"I am at the end of {called(regions, room)}."
     if in_the_middle_of(point, room):
         return f"I am in the middle of {called(regions, room)}."
@@ -133,6 +137,12 @@ def _belongs(regions: Regions, door: RegionFeature, room: RegionFeature) -> bool
     if room in linked:
         return True
     return len(linked) < 2 and distance_to(room.row, door.row.centre) <= TOUCHING
+
+
+def _is_long(region: RegionFeature) -> bool:
+    row = region.row
+    longest = max(row.u[-1] - row.u[0], row.t.max() - row.b.min())
+    return bool(longest * longest >= LONG * row.area)
 
 
 def _article(noun: str) -> str:

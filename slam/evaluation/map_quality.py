@@ -97,7 +97,7 @@ def map_quality(
         raise ValueError(f"seen names regions that the truth doesn't have: {sorted(seen - set(by_id))[:5]}")
     rows = [moved(feature.row, pose) for feature in mapped]
     pairs = overlapping_pairs(mapped, rows, truth, threshold, tolerance)
-    matches = match_pairs(pairs, mapped, rows, truth)
+    matches = match_pairs(pairs, mapped, rows, truth, threshold)
     places = {match.mapped: match.true for match in matches}
     found = set(places.values())
     duplicates = find_duplicates(pairs, mapped, truth, places)

@@ -13,9 +13,9 @@ from collections.abc import Sequence
 from typing import NamedTuple, Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
-from slam.overlap import covered, iou, overlap_area
+from slam.overlap import covered, iou, rows_overlap
 from slam.region import RegionFeature
 from slam.rows import Floats, Row
 from slam.se2 import compose
@@ -56,43 +56,49 @@ class Match(NamedTuple):
 
 
 class Pair(NamedTuple):
-    """A mapped and a true region (indices) with enough overlap: how well they fit, and the intersection over union."""
+    """A mapped and a true region (indices) that overlap.
+
+    `fit` ranks pairs; `overlap` decides on a match, `covered` (over the smaller area) on a duplicate.
+    """
 
     fit: float
     mapped: int
     true: int
+    overlap: float
+    covered: float
     iou: float
 
 
 def overlapping_pairs(
     mapped: Sequence[RegionFeature], rows: list[Row], truth: Sequence[TrueRegion], threshold: float, tolerance: float
 ) -> list[Pair]:
-    """Return all pairs of enough overlap, best first."""
-    centres, radii = _circles(rows)
-    true_centres, true_radii = _circles([region.row for region in truth])
-    distances = np.hypot(*np.moveaxis(centres[:, None] - true_centres, 2, 0))
+    """Return all pairs whose overlap over the smaller area reaches the threshold, best first."""
+    shapes, true_shapes = [_Shape.of(row) for row in rows], [_Shape.of(region.row) for region in truth]
     pairs = []
-    for i, j in np.argwhere(distances < radii[:, None] + true_radii + tolerance):
-        shifted, shift = _shifted(rows[i], truth[j].row, tolerance)
-        common, areas = overlap_area(shifted, truth[j].row), (shifted.area, truth[j].row.area)
-        over_union = common / (sum(areas) - common)
-        overlap = common / min(areas) if mapped[i].open_edges else over_union
-        if overlap >= threshold:
-            bonus = TYPE_BONUS if mapped[i].type == truth[j].type else 0.0
+    for i, j in np.argwhere(_near(shapes, true_shapes, tolerance)):
+        (corners, _, area), true_area = shapes[i], true_shapes[j].area
+        same_type = mapped[i].type == truth[j].type
+        if not (same_type or mapped[i].open_edges) and min(area, true_area) < threshold * max(area, true_area):
+            continue  # closed all around, of another size and another type
+        common, shift = _shifted_overlap(rows[i], corners, truth[j].row, tolerance)
+        share, over_union = common / min(area, true_area), common / (area + true_area - common)
+        if share >= threshold:
+            overlap = share if mapped[i].open_edges else over_union
             malus = SHIFT_MALUS * shift / tolerance if shift > 0 else 0.0
-            pairs.append(Pair(overlap + over_union / 2 + bonus - malus, int(i), int(j), over_union))
+            fit = overlap + over_union / 2 + TYPE_BONUS * same_type - malus
+            pairs.append(Pair(fit, int(i), int(j), overlap, share, over_union))
     return sorted(pairs, key=lambda pair: (-pair.fit, pair.mapped, pair.true))
 
 
 def match_pairs(
-    pairs: list[Pair], mapped: Sequence[RegionFeature], rows: list[Row], truth: Sequence[TrueRegion]
+    pairs: list[Pair], mapped: Sequence[RegionFeature], rows: list[Row], truth: Sequence[TrueRegion], threshold: float
 ) -> list[Match]:
     """Return the one-to-one matches, best first."""
     used: set[int] = set()
     taken: set[int] = set()
     matches = []
     for pair in pairs:
-        if pair.mapped not in used and pair.true not in taken:
+        if pair.overlap >= threshold and pair.mapped not in used and pair.true not in taken:
             used.add(pair.mapped)
             taken.add(pair.true)
             measure = covered if mapped[pair.mapped].open_edges else iou
@@ -106,7 +112,7 @@ def find_duplicates(
 ) -> dict[int, str]:
     """Return the unmatched regions that lie on a true region, with its id: of the same type, or of the same extent.
 
-    A piece of furniture of the wrong type inside an office is no second office.
+    A piece of a hallway is a second hallway there, but a desk inside an office is no second office.
     """
     duplicates: dict[int, str] = {}
     for pair in pairs:
@@ -122,27 +128,57 @@ def moved(row: Row, pose: ArrayLike) -> Row:
     return Row(float(x), float(y), float(phi), row.u, row.b, row.t, row.main)
 
 
-def _shifted(row: Row, target: Row, tolerance: float) -> tuple[Row, float]:
-    """Move a row by at most `tolerance` so that, along the target's axes, the smaller extent lies in the larger one.
+class _Shape(NamedTuple):
+    """Corners (4 n, 2) of a row, its upright bounding box (low, high) (2, 2), and its area, m and m²."""
 
-    Returns the moved row and how far it was moved, m.
+    corners: Floats
+    box: Floats
+    area: float
+
+    @classmethod
+    def of(cls, row: Row) -> _Shape:
+        corners = row.rectangles().reshape(-1, 2)
+        return cls(corners, np.array([corners.min(axis=0), corners.max(axis=0)]), row.area)
+
+
+def _near(shapes: list[_Shape], others: list[_Shape], distance: float) -> NDArray[np.bool_]:
+    """Return which bounding boxes are less than a distance apart along either axis, shape (k, l)."""
+    if not shapes or not others:
+        return np.zeros((len(shapes), len(others)), bool)
+    low, high = np.moveaxis(np.array([shape.box for shape in shapes]), 1, 0)[:, :, None]
+    other_low, other_high = np.moveaxis(np.array([shape.box for shape in others]), 1, 0)
+    return np.asarray(((low < other_high + distance) & (other_low < high + distance)).all(axis=2))
+
+
+def _shifted_overlap(row: Row, corners: Floats, target: Row, tolerance: float) -> tuple[float, float]:
+    """Shift a row so that, along the target's axes, the smaller extent lies in the larger one; by `tolerance` at most.
+
+    Returns the area (m²) that it has then in common with the target, and how far it was shifted (m).
     """
-    corners = target.to_local(row.rectangles().reshape(-1, 2))
-    low, high = corners.min(axis=0), corners.max(axis=0)
-    target_low = np.array([target.u[0], target.b.min()])
-    target_high = np.array([target.u[-1], target.t.max()])
-    at_low, at_high = target_low - low, target_high - high  # the shifts that make either end meet
-    shift = np.clip(0.0, np.minimum(at_low, at_high), np.maximum(at_low, at_high))
+    local = target.to_local(corners)
+    # The shifts that make either end meet: any in between puts the smaller extent inside the larger one.
+    at_low = (target.u[0], target.b.min()) - local.min(axis=0)
+    at_high = (target.u[-1], target.t.max()) - local.max(axis=0)
+    shift = np.maximum(np.minimum(at_low, at_high), 0.0) + np.minimum(np.maximum(at_low, at_high), 0.0)
     length = float(np.hypot(*shift))
     if length > tolerance:
         shift, length = shift * (tolerance / length), tolerance
-    dx, dy = target.to_world([shift])[0] - (target.x, target.y)
-    return Row(row.x + float(dx), row.y + float(dy), row.phi, row.u, row.b, row.t, row.main), length
-
-
-def _circles(rows: Sequence[Row]) -> tuple[Floats, Floats]:
-    """Return centres (k, 2) and radii (k,) of circles around rows, m."""
-    boxes = [row.rectangles().reshape(-1, 2) for row in rows]
-    centres = np.array([(box.min(axis=0) + box.max(axis=0)) / 2 for box in boxes]).reshape(-1, 2)
-    radii = np.array([np.hypot(*(box - centre).T).max() for box, centre in zip(boxes, centres, strict=True)])
-    return centres, radii
+    dx, dy = target.to_world(shift) - (target.x, target.y)
+    x, y = row.x + dx, row.y + dy
+    common = rows_overlap(
+        x,
+        y,
+        row.phi,
+        row.u,
+        row.b,
+        row.t,
+        row.n,
+        target.x,
+        target.y,
+        target.phi,
+        target.u,
+        target.b,
+        target.t,
+        target.n,
+    )
+    return float(common), length

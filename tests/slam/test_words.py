@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from slam.region import RegionFeature
+from slam.region import EdgeState, RegionFeature, Subrectangle
 from slam.region_map import RegionMap
 from slam.words import called
 
@@ -32,6 +32,15 @@ from slam.words import called
 )
 def test_describe(drawn: RegionMap, point: tuple[float, float], sentence: str) -> None:
     assert drawn.describe(point) == sentence
+
+
+def test_only_long_regions_have_an_end_in_words() -> None:
+    office = RegionFeature(1, "office", 0.0, 0, 0, 6, 3, 0.0)
+    assert RegionMap([office]).at_the_end_of((2.8, 0), 1)
+    assert RegionMap([office]).describe((2.8, 0)) == "I am in the office."
+    ell = RegionFeature(1, "hallway", 0.0, 0, 0, 10, 2, 0.0, r=EdgeState.SUBRECT, right=Subrectangle(2, 10, -4))
+    assert RegionMap([ell]).describe((6, -8.5)) == "I am at the end of the hallway."
+    assert RegionMap([ell]).describe((6.5, 0.5)) == "I am in the hallway."
 
 
 def test_names_with_articles(drawn: RegionMap) -> None:

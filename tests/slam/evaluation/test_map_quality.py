@@ -111,8 +111,9 @@ def test_a_place_mapped_twice_is_a_duplicate_whatever_its_type() -> None:
 
 
 def test_a_piece_of_a_hallway_beside_the_whole_is_a_duplicate() -> None:
-    piece = RegionFeature(9, "hallway", 1.0, 17, 1, 6, 2, 0.0, l=OPEN)
-    assert map_quality([*mapped_floor(), piece], FLOOR).duplicates == (9,)
+    for state in (OPEN, EdgeState.CLOSED):
+        piece = RegionFeature(9, "hallway", 1.0, 17, 1, 6, 2, 0.0, l=state)
+        assert map_quality([*mapped_floor(), piece], FLOOR).duplicates == (9,)
 
 
 def test_furniture_of_no_truth_is_spurious_not_a_second_office() -> None:
