@@ -15,8 +15,14 @@ PARALLEL = np.radians(20.0)
 FARTHEST = 1.2
 """Largest distance (m) of the two borders."""
 
-MARGINS = (0.25, 0.1, 0.02)
-"""Distances of the opening from the ends of the borders (m), tried in this order."""
+MARGINS = {0.25: 0.0, 0.1: 0.4, 0.02: 0.8}
+"""Distances of the opening from the ends of the borders (m), and what each costs against metres of shift."""
+
+AWAY = 4.0
+"""Cost of a metre between the two borders."""
+
+CROSSED = 4.0
+"""Cost of an opening that meets the border of a third room."""
 
 
 def fit_opening(
@@ -47,12 +53,15 @@ def fit_opening(
         Farthest from the point, m.
     """
     for span in (width, (width + least) / 2, least):
-        for margin in MARGINS:
-            found = _candidates(outlines, np.array(point), span, margin, reach, others)
-            if found:
-                _, centre, along, depth = min(found, key=lambda candidate: round(candidate[0], 6))
-                start, end = centre - along * span / 2, centre + along * span / 2
-                return Opening(name, regions, *map(float, (*start, *end)), depth=depth)
+        found = [
+            (cost + extra, *rest)
+            for margin, extra in MARGINS.items()
+            for cost, *rest in _candidates(outlines, np.array(point), span, margin, reach, others)
+        ]
+        if found:
+            _, centre, along, depth = min(found, key=lambda candidate: round(candidate[0], 6))
+            start, end = centre - along * span / 2, centre + along * span / 2
+            return Opening(name, regions, *map(float, (*start, *end)), depth=depth)
     return None
 
 
@@ -106,7 +115,7 @@ def _candidates(
                 continue
             depth = DOOR_DEPTH + far - near
             crossed = sum(_meets(outline, centre, along, width, depth) for outline in others)
-            found.append((shift + 2 * abs(offsets[1]) + 4 * crossed, centre, along, depth))
+            found.append((shift + AWAY * abs(offsets[1]) + CROSSED * crossed, centre, along, depth))
     return found
 
 

@@ -14,10 +14,10 @@ from regionslam_env.worlds.annotate import annotate, side_directions
 from regionslam_env.worlds.floorplan import Opening, assemble
 from regionslam_env.worlds.passages import fit_opening, jambs
 from regionslam_env.worlds.world import Region, World
-from slam.rows import Floats, Row
+from slam.rows import MAX_RECTANGLES, Floats, Row
 
-GOOD = 0.93
-"""IoU from which a room's walls stand where its row says; below, they follow its polygon."""
+NEAR = 0.35
+"""A room's walls stand on the edges of its row but where its polygon deviates by more than this, m."""
 
 OWN_HEADING = 0.03
 """IoU that a row of its own heading must gain over one parallel to the building."""
@@ -57,13 +57,10 @@ def build(name: str, spaces: Sequence[Space], portals: Sequence[Portal], door_wi
         raise WorldError(f"plan {name!r}: no space with an outline, expected at least one")
     spaces = _without_overlaps(spaces)
     heading = building_heading(spaces)
-    rows, fits = zip(*(_annotated(space.polygon, heading) for space in spaces), strict=True)
-    rows = tuple(align(rows, heading))
+    rows = align([_annotated(space.polygon, heading) for space in spaces], heading)
+    rows = [joined(row) for row in rows]
     rooms = [Region(s.id, s.type, s.name, row) for s, row in zip(spaces, rows, strict=True)]
-    outlines = {
-        s.id: row.outline() if fit >= GOOD else _ring(s.polygon)
-        for s, row, fit in zip(spaces, rows, fits, strict=True)
-    }
+    outlines = {s.id: wall_outline(row, s.polygon) for s, row in zip(spaces, rows, strict=True)}
     openings = _openings(name, portals, outlines, door_width)
     extra = [segment for opening in openings for segment in jambs(opening)]
     return assemble(name, rooms, openings, borders=list(outlines.values()), jambs=np.array(extra).reshape(-1, 4))
@@ -80,14 +77,45 @@ def building_heading(spaces: Sequence[Space]) -> float:
     return 0.0 if abs(near) < np.radians(1.0) else float(near)
 
 
-def _annotated(polygon: shapely.Polygon, heading: float) -> tuple[Row, float]:
+def wall_outline(row: Row, polygon: shapely.Polygon) -> Floats:
+    """Return where a room's walls stand: its row, corrected where the polygon deviates by more than `NEAR`, (k, 2)."""
+    shape = shapely.Polygon(row.outline())
+    beyond, missing = (_thick(a.difference(b)) for a, b in ((shape, polygon), (polygon, shape)))
+    corrected = _largest(shape.difference(beyond).union(missing))
+    outline = shapely.simplify(shapely.Polygon(corrected.exterior), 0.02)
+    return shapely.get_coordinates(shapely.orient_polygons(outline).exterior)[:-1]
+
+
+def _thick(shape: shapely.Geometry) -> shapely.Geometry:
+    """Return the parts of a shape that are wider than `NEAR`."""
+    return shape.buffer(-NEAR / 2, join_style="mitre").buffer(NEAR / 2 + 1e-3, join_style="mitre")
+
+
+def joined(row: Row, tolerance: float = 0.1) -> Row:
+    """Return a row whose neighbouring rectangles of equal bottom and top (m) are one."""
+    u, b, t = list(row.u), list(row.b), list(row.t)
+    i = 0
+    while i + 1 < len(b):
+        if abs(b[i] - b[i + 1]) < tolerance and abs(t[i] - t[i + 1]) < tolerance:
+            longer = i if u[i + 1] - u[i] >= u[i + 2] - u[i + 1] else i + 1
+            b[i : i + 2], t[i : i + 2] = [b[longer]], [t[longer]]
+            del u[i + 1]
+        else:
+            i += 1
+    if len(b) == row.n:
+        return row
+    main = 1 if len(b) == MAX_RECTANGLES else int(np.argmax(np.diff(u) * (np.array(t) - np.array(b))))
+    return Row.from_parameters(**Row(row.x, row.y, row.phi, np.array(u), np.array(b), np.array(t), main).parameters())
+
+
+def _annotated(polygon: shapely.Polygon, heading: float) -> Row:
     """Return the row along the building, or along the room's own sides where that fits better."""
     row, iou = annotate(polygon, [heading])
     if iou < 1 - OWN_HEADING:
         own_row, own_iou = annotate(polygon)
         if own_iou > iou + OWN_HEADING:
-            return own_row, own_iou
-    return row, iou
+            return own_row
+    return row
 
 
 def _without_overlaps(spaces: Sequence[Space]) -> list[Space]:
@@ -107,12 +135,6 @@ def _without_overlaps(spaces: Sequence[Space]) -> list[Space]:
 def _largest(shape: shapely.Geometry) -> shapely.Polygon:
     parts = [p for p in shapely.get_parts(shape) if isinstance(p, shapely.Polygon)]
     return max(parts, key=lambda p: p.area, default=shapely.Polygon())
-
-
-def _ring(polygon: shapely.Polygon) -> Floats:
-    """Return a polygon's outline without its last point, counter-clockwise."""
-    ring = shapely.get_coordinates(shapely.simplify(polygon, 0.05).exterior)[:-1]
-    return ring if shapely.is_ccw(polygon.exterior) else ring[::-1]
 
 
 def _openings(name: str, portals: Sequence[Portal], outlines: dict[str, Floats], width: float) -> list[Opening]:
