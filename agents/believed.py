@@ -99,6 +99,8 @@ class View:
         Standard deviation of the position along its worst direction, m.
     goal
         Wanted type.
+    types
+        All semantic types.
     """
 
     def __init__(self, observation: Mapping[str, NDArray[Any]], types: Sequence[str]) -> None:
@@ -108,14 +110,15 @@ class View:
         self.position_sigma = float(np.sqrt(max(0.0, (xx + yy) / 2 + np.hypot((xx - yy) / 2, xy))))
         self._goal = int(np.argmax(observation["goal"]))
         self.goal = types[self._goal]
-        self._observation, self._types = observation, types
+        self.types = tuple(types)
+        self._observation = observation
 
     @cached_property
     def regions(self) -> tuple[BelievedRegion, ...]:
         """All believed regions."""
         table = region_table(self._observation).astype(np.float64)
         slots = np.flatnonzero(self._observation["regions_mask"])
-        regions = (_region(int(slot), table[slot], self.pose, self._types, self._goal) for slot in slots)
+        regions = (_region(int(slot), table[slot], self.pose, self.types, self._goal) for slot in slots)
         return tuple(r for r in regions if r is not None)
 
     def goal_regions(self) -> tuple[BelievedRegion, ...]:
@@ -128,14 +131,11 @@ class View:
         slots = set(np.flatnonzero(near).tolist())
         return tuple(r for r in self.regions if r.slot in slots)
 
-    def regions_at(self, points: ArrayLike) -> list[BelievedRegion | None]:
-        """Return the smallest believed region around each point, shape (k, 2), furniture and doors aside."""
-        found: list[BelievedRegion | None] = [None] * len(np.asarray(points))
-        rooms = [r for r in self.regions if r.type not in FURNITURE and r.type != "door"]
-        for region in sorted(rooms, key=lambda r: -r.row.area):
-            for k in np.flatnonzero(region.row.contains(points)):
-                found[k] = region
-        return found
+    @property
+    def rooms(self) -> list[BelievedRegion]:
+        """Believed regions to be in, the largest first: furniture and doors are left out."""
+        rooms = (r for r in self.regions if r.type not in FURNITURE and r.type != "door")
+        return sorted(rooms, key=lambda r: -r.row.area)
 
     def to_robot(self, point: ArrayLike) -> Floats:
         """Return a map-frame point in the robot's frame."""

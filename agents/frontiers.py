@@ -51,20 +51,35 @@ class Frontier:
 
 
 def find_frontiers(terrain: Terrain, view: View, clearance: float = CLEARANCE) -> list[Frontier]:
-    """Return every frontier that can be reached over seen floor, as the believed regions value it."""
+    """Return every frontier that can be reached over seen floor, as the believed regions value it.
+
+    The terrain keeps the regions as labels of its cells, so that those evicted from the observation are remembered.
+    """
+    label_regions(terrain, view)
     reach, clearances = terrain.distances(view.pose[:2])
     cells, sizes = cluster(terrain.scores, clearances, reach, clearance)
-    points = terrain.points(cells)
     doors = [(np.array(r.row.centre), r) for r in view.regions if r.type == "door"]
     found = []
-    for point, (row, column), size, region in zip(points, cells, sizes, view.regions_at(points), strict=True):
-        if size < SMALLEST:
-            continue
-        door = _nearest_door(doors, point)
-        place, worth = _appraise(region, door, view)
-        worth += 6.0 if size < 6 else 0.0
-        found.append(Frontier(point, float(reach[row, column]), int(size), place, worth))
+    for point, (row, column), size in zip(terrain.points(cells), cells, sizes, strict=True):
+        if size >= SMALLEST:
+            place, worth = _appraise(_label_around(terrain, row, column), _nearest_door(doors, point), view)
+            worth += 6.0 if size < 6 else 0.0
+            found.append(Frontier(point, float(reach[row, column]), int(size), place, worth))
     return found
+
+
+def label_regions(terrain: Terrain, view: View) -> None:
+    """Label the floor with the types of the believed rooms: twice the type's number, one less where an edge is open."""
+    for region in view.rooms:
+        terrain.paint(region.row, 2 * (view.types.index(region.type) + 1) - bool(region.open_edges))
+
+
+def _label_around(terrain: Terrain, row: int, column: int) -> int:
+    """Return the most frequent label around a cell, 0 where hardly any of it is labelled."""
+    around = terrain.labels[max(0, row - 3) : row + 4, max(0, column - 3) : column + 4]
+    counts = np.bincount(around.ravel())
+    labelled = int(np.sum(counts[1:]))
+    return 1 + int(np.argmax(counts[1:])) if labelled * 4 > around.size else 0
 
 
 def _nearest_door(doors: list[tuple[Floats, BelievedRegion]], point: Floats) -> BelievedRegion | None:
@@ -74,17 +89,18 @@ def _nearest_door(doors: list[tuple[Floats, BelievedRegion]], point: Floats) -> 
     return door if distance < 1.0 else None
 
 
-def _appraise(region: BelievedRegion | None, door: BelievedRegion | None, view: View) -> tuple[str, float]:
+def _appraise(label: int, door: BelievedRegion | None, view: View) -> tuple[str, float]:
     """Return a frontier's name and the price of what is expected behind it."""
-    if region is None:
+    if label == 0:
         return (f"door {door.slot}" if door is not None else "the unknown"), 0.0
-    if region.goal_p > 0.5:
-        return f"the rest of the {region.type}", -5.0
-    if region.type in PASSAGES:
-        return f"the end of the {region.type}", 0.0
+    kind, is_open = view.types[(label + 1) // 2 - 1], label % 2 == 1
+    if kind == view.goal:
+        return f"the rest of the {kind}", -5.0
+    if kind in PASSAGES:
+        return f"the end of the {kind}", 0.0
     if door is not None:
-        return f"door {door.slot} of the {region.type}", 8.0
-    return f"the rest of the {region.type}", 12.0 if region.open_edges else 20.0
+        return f"door {door.slot} of the {kind}", 8.0
+    return f"the rest of the {kind}", 15.0 if is_open else 30.0
 
 
 @njit

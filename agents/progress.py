@@ -43,8 +43,10 @@ class Progress:
         self._idle = 0
         self._best = np.inf
         self._escapes += 1
+        if self._escapes > 1 or remaining < 1.0:
+            return True
         self._escape_left = ESCAPE
-        return self._escapes > 1
+        return False
 
     def escape(self, controller: LocalController, ranges: Floats) -> Floats:
         """Return the action that drives towards the most open side."""

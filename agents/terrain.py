@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from regionslam_env.control.search import search, trace
 from slam.jit import njit
-from slam.rows import Floats
+from slam.rows import Floats, Row
 
 UNSEEN = -128
 """Score of a cell no ray has passed; other cells are free up to a score of 0 and occupied above."""
@@ -36,11 +36,14 @@ class Terrain:
     ----------
     scores : ndarray
         Score of every cell within reach of the places the robot has been at, shape (rows, columns).
+    labels : ndarray
+        What the floor of every cell was last believed to belong to, see `paint`; 0: nothing. Same shape.
     origin : ndarray
         Centre of cell (0, 0), x and y in the map frame, m.
     """
 
     scores: NDArray[np.int8]
+    labels: NDArray[np.int16]
     origin: Floats
 
     def __init__(self, n_rays: int, max_range: float, sight: float, touch: float, cell: float = 0.1) -> None:
@@ -52,6 +55,8 @@ class Terrain:
         """Forget everything."""
         size = 2 * int(15 / self.cell) + 1
         self._grid = np.full((size, size), UNSEEN, np.int8)
+        self._label_grid = np.zeros((size, size), np.int16)
+        self._area_grid = np.zeros((size, size), np.float32)
         self._grid_origin = np.full(2, -(size // 2) * self.cell)
         self._low, self._high = np.full(2, np.inf), np.full(2, -np.inf)
 
@@ -61,6 +66,11 @@ class Terrain:
         scan = np.asarray(ranges, dtype=np.float64)
         draw_scan(self._grid, self._grid_origin, self.cell, pose, self._angles, scan, self.sight, self.max_range - 0.1)
         self._crop(pose[:2])
+
+    def paint(self, row: Row, label: int) -> None:
+        """Label the floor within a row of rectangles (map frame), but for what belongs to a smaller row."""
+        grids = self.labels, self._areas, self.origin, self.cell
+        paint_row(*grids, row.x, row.y, row.phi, row.u, row.b, row.t, label, row.area)
 
     def index(self, point: ArrayLike) -> tuple[int, int]:
         """Return row and column of the cell at a point (map frame), within the grid."""
@@ -110,6 +120,8 @@ class Terrain:
         c0, r0 = np.rint((self._low - self._grid_origin) / self.cell).astype(int)
         c1, r1 = np.rint((self._high - self._grid_origin) / self.cell).astype(int)
         self.scores = self._grid[r0 : r1 + 1, c0 : c1 + 1]
+        self.labels = self._label_grid[r0 : r1 + 1, c0 : c1 + 1]
+        self._areas = self._area_grid[r0 : r1 + 1, c0 : c1 + 1]
         self.origin = self._grid_origin + np.array([c0, r0]) * self.cell
 
     def _grow(self, position: Floats) -> None:
@@ -121,6 +133,7 @@ class Terrain:
         if low.any() or high.any():
             pads = ((low[1], high[1]), (low[0], high[0]))
             self._grid = np.pad(self._grid, pads, constant_values=UNSEEN)
+            self._label_grid, self._area_grid = np.pad(self._label_grid, pads), np.pad(self._area_grid, pads)
             self._grid_origin = self._grid_origin - low * self.cell
             self._grow(position)
 
@@ -156,12 +169,17 @@ def draw_scan(
         Rays of this length or more hit nothing.
     """
     n = len(angles)
-    between = 3
-    width = 2 * np.pi / n
+    ends = np.empty((n, 2))
     for k in range(n):
-        following = ranges[(k + 1) % n]
+        angle = pose[2] + angles[k]
+        ends[k, 0], ends[k, 1] = pose[0] + ranges[k] * np.cos(angle), pose[1] + ranges[k] * np.sin(angle)
+    clear = np.empty(n)
+    for k in range(n):
+        clear[k] = min(sight, ranges[k] - _margin(ends, pose, ranges, k, max_range))
+    between, width = 3, 2 * np.pi / n
+    for k in range(n):
         for s in range(between):
-            length = min(ranges[k] if s == 0 else min(ranges[k], following), sight + 0.15) - 0.15
+            length = clear[k] if s == 0 else min(clear[k], clear[(k + 1) % n])
             angle = pose[2] + angles[k] + width * s / between
             dx, dy = np.cos(angle), np.sin(angle)
             distance = 0.0 if s == 0 else 0.7 * cell / width
@@ -174,17 +192,76 @@ def draw_scan(
     for k in range(n):
         if ranges[k] >= max_range:
             continue
-        angle = pose[2] + angles[k]
-        x, y = pose[0] + ranges[k] * np.cos(angle), pose[1] + ranges[k] * np.sin(angle)
         following = (k + 1) % n
-        x1 = pose[0] + ranges[following] * np.cos(pose[2] + angles[following])
-        y1 = pose[1] + ranges[following] * np.sin(pose[2] + angles[following])
-        gap = np.hypot(x1 - x, y1 - y)
+        across, up = ends[following, 0] - ends[k, 0], ends[following, 1] - ends[k, 1]
+        gap = np.hypot(across, up)
         pieces = int(gap / cell) + 1 if gap < 0.4 and ranges[following] < max_range else 1
         for piece in range(pieces):
-            r = int(np.rint((y + (y1 - y) * piece / pieces - origin[1]) / cell))
-            c = int(np.rint((x + (x1 - x) * piece / pieces - origin[0]) / cell))
+            r = int(np.rint((ends[k, 1] + up * piece / pieces - origin[1]) / cell))
+            c = int(np.rint((ends[k, 0] + across * piece / pieces - origin[0]) / cell))
             scores[r, c] = min(max(scores[r, c], 0) + 4, FIRM)
+
+
+@njit
+def _margin(
+    ends: NDArray[np.float64],
+    pose: NDArray[np.float64],
+    ranges: NDArray[np.float64],
+    k: int,
+    max_range: float,
+) -> float:
+    """Return how far before its end (m) a ray comes within 0.12 m of the surface that it hits.
+
+    A ray that grazes a wall runs along it for long: what it passes there is not free. The surface's direction is taken
+    from the ends of the rays next but one, on the side where it is the more frontal.
+    """
+    n = len(ranges)
+    if ranges[k] >= max_range:
+        return 0.15
+    sine = 0.0  # of the angle between ray and surface
+    for side in (-2, 2):
+        other = (k + side + n) % n
+        if ranges[other] < max_range:
+            x, y = ends[other, 0] - ends[k, 0], ends[other, 1] - ends[k, 1]
+            cross = (ends[k, 0] - pose[0]) * y - (ends[k, 1] - pose[1]) * x
+            sine = max(sine, abs(cross) / max(1e-9, ranges[k] * np.hypot(x, y)))
+    return min(3.0, max(0.15, 0.12 / max(1e-9, sine)))
+
+
+@njit
+def paint_row(
+    labels: NDArray[np.int16],
+    areas: NDArray[np.float32],
+    origin: NDArray[np.float64],
+    cell: float,
+    x: float,
+    y: float,
+    phi: float,
+    u: NDArray[np.float64],
+    b: NDArray[np.float64],
+    t: NDArray[np.float64],
+    label: int,
+    area: float,
+) -> None:
+    """Write a label into the cells in a row of rectangles, given as in `slam.rows.Row`, and its area (m²) into `areas`.
+
+    Cells that belong to a row of another label, and clearly less area, keep it.
+    """
+    cosine, sine = np.cos(phi), np.sin(phi)
+    for i in range(len(b)):
+        along, across = (u[i] + u[i + 1]) / 2, (b[i] + t[i]) / 2
+        half_u, half_v = (u[i + 1] - u[i]) / 2, (t[i] - b[i]) / 2
+        column = (x + cosine * along - sine * across - origin[0]) / cell
+        row = (y + sine * along + cosine * across - origin[1]) / cell
+        wide = (abs(cosine) * half_u + abs(sine) * half_v) / cell
+        high = (abs(sine) * half_u + abs(cosine) * half_v) / cell
+        for r in range(max(0, int(row - high)), min(labels.shape[0], int(row + high) + 2)):
+            for c in range(max(0, int(column - wide)), min(labels.shape[1], int(column + wide) + 2)):
+                dx, dy = (c - column) * cell, (r - row) * cell
+                if abs(cosine * dx + sine * dy) > half_u or abs(cosine * dy - sine * dx) > half_v:
+                    continue
+                if labels[r, c] == 0 or (labels[r, c] + 1) // 2 == (label + 1) // 2 or area < 1.3 * areas[r, c]:
+                    labels[r, c], areas[r, c] = label, area
 
 
 @njit
