@@ -20,6 +20,8 @@ TOP, BOTTOM, LEFT, RIGHT = 0, 1, 2, 3  # edges, in the order of EDGE_NAMES
 BOX_U, BOX_V = 4, 6  # smallest and largest coordinate of the visible part along the first and the second axis
 SIGHT = 8  # entries of a sight
 
+_LOST, _STOPPED, _THROUGH = 0, 1, 2  # a ray ends before an edge, at a wall just before it, beyond it
+_FEWEST_RAYS = 3  # into a rectangle, for it to be seen from outside
 _ROUNDING = 1e-9
 _ON_THE_LINE = 1e-6  # an edge whose line runs through the sensor is not seen, m
 
@@ -56,25 +58,36 @@ def look(
     seen[:BOX_U] = 0.0
     seen[BOX_U] = seen[BOX_V] = math.inf
     seen[BOX_U + 1] = seen[BOX_V + 1] = -math.inf
-    if left <= 0 <= right and bottom <= 0 <= top:
-        _stretch(seen, BOX_U, 0.0)
-        _stretch(seen, BOX_V, 0.0)
-        for i in range(ranges.shape[0]):
-            u = ranges[i] * (axis[0] * directions[0, i] + axis[1] * directions[1, i])
-            v = ranges[i] * (axis[0] * directions[1, i] - axis[1] * directions[0, i])
-            if left - _ROUNDING <= u <= right + _ROUNDING and bottom - _ROUNDING <= v <= top + _ROUNDING:
-                _stretch(seen, BOX_U, u)
-                _stretch(seen, BOX_V, v)
-    else:
-        entered = 0
-        for edge in range(4):
-            if _faces(edge, bounds):
-                entered += _look_at_edge(edge, bounds, axis, directions, ranges, reach, tolerance, seen)
-        if entered == 0:
-            return
-    for edge in range(4):
-        if not _faces(edge, bounds):
-            _look_at_edge(edge, bounds, axis, directions, ranges, reach, tolerance, seen)
+    inside = left <= 0 <= right and bottom <= 0 <= top
+    entered = 0
+    for k in range(8):
+        near, edge = k < 4, k % 4  # near edges first: most rectangles are hidden, and nothing comes in there
+        if near == _faces(edge, bounds):
+            if not (near or inside or entered >= _FEWEST_RAYS):
+                seen[BOX_U], seen[BOX_U + 1] = math.inf, -math.inf
+                return
+            entered += _look_at_edge(edge, bounds, axis, directions, ranges, reach, tolerance, seen)
+    if inside:
+        _look_around(bounds, axis, directions, ranges, seen)
+
+
+@njit
+def _look_around(bounds: Bounds, axis: tuple[float, float], directions: Floats, ranges: Floats, seen: Floats) -> None:
+    """Widen the box by the sensor's place and the ends of all rays inside the rectangle."""
+    left, right, bottom, top = bounds
+    if seen[BOX_U] <= left and seen[BOX_U + 1] >= right and seen[BOX_V] <= bottom and seen[BOX_V + 1] >= top:
+        return
+    least_u = most_u = least_v = most_v = 0.0
+    for i in range(ranges.shape[0]):
+        u = ranges[i] * (axis[0] * directions[0, i] + axis[1] * directions[1, i])
+        v = ranges[i] * (axis[0] * directions[1, i] - axis[1] * directions[0, i])
+        if left - _ROUNDING <= u <= right + _ROUNDING and bottom - _ROUNDING <= v <= top + _ROUNDING:
+            least_u, most_u = min(least_u, u), max(most_u, u)
+            least_v, most_v = min(least_v, v), max(most_v, v)
+    _stretch(seen, BOX_U, least_u)
+    _stretch(seen, BOX_U, most_u)
+    _stretch(seen, BOX_V, least_v)
+    _stretch(seen, BOX_V, most_v)
 
 
 @njit
@@ -122,36 +135,60 @@ def _look_at_edge(
         line * across_y + high * along_y,
         n,
     )
-    before, at_before, passed = 0, 0.0, 0
-    for k in range(first, last + 1):
+    length, passed = 0.0, 0
+    least, most, nearest, farthest = math.inf, -math.inf, math.inf, -math.inf  # of the box, along and across
+    before, run_start, at_before, last_slide, last_rise = _LOST, 0.0, 0.0, 0.0, 1.0
+    for k in range(first, last + 2):  # one more than there are, to end the last run
         i = k if k < n else k - n
+        r = ranges[i]
         rise = side * (across_x * directions[0, i] + across_y * directions[1, i])
-        end = ranges[i] * rise
-        if not end >= distance - tolerance or rise <= 0:
-            before = 0
-            continue
-        slide = along_x * directions[0, i] + along_y * directions[1, i]
-        stop = ranges[i] * slide
-        now, at = 0, stop
-        if end >= distance - _ROUNDING:
-            now, at = 2, distance * slide / rise
-            if end > distance + _ROUNDING and low <= at <= high:
+        end = r * rise
+        now, slide = _LOST, 0.0
+        if rise > 0 and end >= distance - tolerance and k <= last:
+            slide = along_x * directions[0, i] + along_y * directions[1, i]
+            if end >= distance - _ROUNDING:
+                now = _THROUGH
+            elif 0 < r < reach:
+                now = _STOPPED
+        if before == _THROUGH and now != _THROUGH:
+            # Within a run of rays that get through, the first and the last one tell all.
+            at_before = distance * last_slide / last_rise
+            seen_here = _common(run_start, at_before, low, high)
+            if seen_here > 0:
+                length += seen_here
+                least = min(least, max(min(run_start, at_before), low))
+                most = max(most, min(max(run_start, at_before), high))
+                nearest, farthest = min(nearest, distance), max(farthest, distance)
+        if now == _THROUGH:
+            if before != _THROUGH:
+                run_start = distance * slide / rise
+                if before == _STOPPED:
+                    length += _common(at_before, run_start, low, high)
+            last_slide, last_rise = slide, rise
+            if end > distance + _ROUNDING and low * rise <= distance * slide <= high * rise:
                 passed += 1
+                stop = r * slide
                 if end <= depth + _ROUNDING and low - _ROUNDING <= stop <= high + _ROUNDING:
-                    _stretch(seen, across, side * end)
-                    _stretch(seen, along, stop)
-        elif 0 < ranges[i] < reach:
-            now = 1
-        if now > 0 and before > 0:
-            start, stop = max(min(at, at_before), low), min(max(at, at_before), high)
-            if stop > start:
-                seen[edge] += stop - start
-                if now == 2 and before == 2:
-                    _stretch(seen, across, line)
-                    _stretch(seen, along, start)
-                    _stretch(seen, along, stop)
-        before, at_before = now, at
+                    least, most = min(least, stop), max(most, stop)
+                    nearest, farthest = min(nearest, end), max(farthest, end)
+        elif now == _STOPPED:
+            if before != _LOST:
+                length += _common(at_before, r * slide, low, high)
+            at_before = r * slide
+        before = now
+    seen[edge] = length
+    if most >= least:
+        _stretch(seen, along, least)
+        _stretch(seen, along, most)
+        _stretch(seen, across, side * nearest)
+        _stretch(seen, across, side * farthest)
     return passed
+
+
+@njit
+def _common(start: float, stop: float, low: float, high: float) -> float:
+    """Return how much the interval between `start` and `stop`, in whichever order, has in common with [low, high]."""
+    return max(min(max(start, stop), high) - max(min(start, stop), low), 0.0)
 
 
 @njit

@@ -18,10 +18,7 @@ from numpy.typing import NDArray
 from regionslam_env.config import RobotConfig
 from regionslam_env.simulation.chipmunk import Push, fast_push
 from regionslam_env.simulation.robot import DifferentialDrive
-from regionslam_env.worlds.world import World
-
-WALL_RADIUS = 0.05
-"""Half the thickness of a wall in the physics, m: the robot's centre stays its radius plus this away from a wall."""
+from regionslam_env.worlds.world import WALL_RADIUS, World
 
 _SLOP = 0.001  # depth that a contact leaves alone, m
 _HELD_BACK = 1e-6  # difference of the way driven and the way commanded that counts as a collision, m
