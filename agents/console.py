@@ -31,9 +31,11 @@ class Commands(TyperGroup):
         """Run a command line and exit."""
         try:
             code = super().main(args, prog_name, **{**extra, "standalone_mode": False})
+        except BrokenPipeError:
+            sys.exit(FAILED)
         except (ValueError, OSError, gymnasium.error.Error) as error:
-            if isinstance(error, BrokenPipeError):
-                sys.exit(FAILED)
+            if type(error) is ValueError:
+                raise  # bad input has an error of its own; this one is a defect and shows where
             sys.exit(_refuse(_one_line(error)))
         except KeyboardInterrupt:
             sys.exit(INTERRUPTED)

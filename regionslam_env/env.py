@@ -394,7 +394,7 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             true_pose=self.true_pose,
             pose=belief.pose_mean,
             covariance=belief.pose_cov,
-            shapes=shapes_of_map(belief.map.regions),
+            shapes=shapes_of_map(belief.map),
             true_path=self._true_path,
             path=self._path,
             lidar=self.ranges,

@@ -20,8 +20,8 @@ LEVELS = (0, 64, 128, 191, 255)
 class GifWriter:
     """Collects frames and writes them as one looping GIF on leaving the `with` block without an error.
 
-    Frames are reduced to one palette as they come, without dithering: the colours of the first (its legend shows most of
-    them), and a coarse cube for what appears later.
+    Frames are reduced to one palette as they come, without dithering: the colours of the first (its legend shows most),
+    and a coarse cube for what appears later.
 
     Parameters
     ----------

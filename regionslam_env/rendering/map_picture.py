@@ -42,14 +42,13 @@ def draw_map(
     goal
         Semantic type to highlight.
     """
-    frame = np.array([0.0, 0.0, -_main_direction(shapes)])
     inner = width - 2 * MARGIN
-    upright = Viewport(np.eye(2), np.zeros(2), 1.0).seen_from(frame)
-    points = [np.array(upright.pixels(s.row.outline())) for s in shapes]
+    points = [s.row.outline() for s in shapes]
     if len(np.asarray(path)):
-        points.append(np.array(upright.pixels(np.asarray(path, dtype=np.float64)[:, :2])))
-    corners = np.concatenate(points) if points else np.array([[-5.0, -3.0], [5.0, 3.0]])
-    (x0, y0), (x1, y1) = corners.min(axis=0), corners.max(axis=0)
+        points.append(np.asarray(path, dtype=np.float64)[:, :2])
+    frame, (x0, y0, x1, y1) = _upright(
+        np.concatenate(points) if points else np.array([[-5.0, -3.0], [5.0, 3.0]]), _main_direction(shapes)
+    )
     panel = Panel((inner, _height(inner, x1 - x0, y1 - y0)), UNSEEN)
     view = Viewport.fit((x0, y0, x1, y1), panel.size, 20).seen_from(frame)
     draw_regions(panel, view, shapes, goal, edge=1.8)
@@ -104,6 +103,17 @@ def _compose(
     draw.text((right - metres * scale / 2, HEADER - 26), f"{metres} m", MUTED, font(13), anchor="mm")
     draw_legend(picture, MARGIN, top, inner, types, signs)
     return picture
+
+
+def _upright(points: Floats, direction: float) -> tuple[Floats, tuple[float, float, float, float]]:
+    """Return the map frame as a pose in the picture's frame, in which the points are wider than high, and their bounds."""
+    for turn in (-direction, np.pi / 2 - direction):
+        frame = np.array([0.0, 0.0, turn])
+        corners = np.array(Viewport(np.eye(2), np.zeros(2), 1.0).seen_from(frame).pixels(points))
+        (x0, y0), (x1, y1) = corners.min(axis=0), corners.max(axis=0)
+        if x1 - x0 >= y1 - y0:
+            break
+    return frame, (float(x0), float(y0), float(x1), float(y1))
 
 
 def _main_direction(shapes: Sequence[Shape]) -> float:

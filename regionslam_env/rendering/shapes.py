@@ -92,15 +92,16 @@ def shapes_of_world(world: World) -> list[Shape]:
 
 
 def shapes_of_map(regions: Iterable[RegionFeature]) -> list[Shape]:
-    """Return the credible regions of a `RegionMap`, labelled with their types."""
-    regions = [r for r in regions if r.credible and _sigmoid(r.existence) >= CREDIBLE_EXISTENCE]
-    parents = {child: r.id for r in regions for child, log_odds in r.children.items() if log_odds > 0}
+    """Return the credible regions of a `RegionMap`; labelled as it names them, or with their types if it is a plain list."""
+    name = getattr(regions, "name", lambda region: region.type)
+    drawn = [r for r in regions if r.credible and _sigmoid(r.existence) >= CREDIBLE_EXISTENCE]
+    parents = {child: r.id for r in drawn for child, log_odds in r.children.items() if log_odds > 0}
     shapes = []
-    for r in regions:
+    for r in drawn:
         linked = [i for by_edge in r.neighbours.values() for i, log_odds in by_edge.items() if log_odds > 0]
         closed = {name: state is not EdgeState.OPEN for name, state in r.edges.items()}
         certainty = _sigmoid(r.existence) * _sigmoid(r.type_log_odds)
-        shapes.append(Shape(r.id, r.type, r.type, r.row, closed, certainty, tuple(linked), parents.get(r.id)))
+        shapes.append(Shape(r.id, r.type, name(r), r.row, closed, certainty, tuple(linked), parents.get(r.id)))
     return shapes
 
 

@@ -94,6 +94,12 @@ def test_a_map_is_drawn_upright_whatever_its_frame():
     assert np.mean(np.abs(upright.astype(int) - turned)) < 2
 
 
+def test_a_map_lies_on_its_longer_side():
+    rooms = [Shape(k, "office", "office", Row.from_parameters(0, 6 * k, 4, 6)) for k in range(3)]
+    width, height = draw_map(rooms, width=600).size
+    assert width > height
+
+
 def test_an_empty_map_is_a_picture_too():
     assert draw_map([]).size[0] == 1280
 

@@ -5,6 +5,7 @@ import pytest
 
 from regionslam_env.rendering.shapes import Shape, shapes_of_map, shapes_of_world
 from slam.region import EdgeState, RegionFeature, Subrectangle
+from slam.region_map import RegionMap
 from slam.rows import Row
 from tests.rendering.scene import world
 
@@ -50,6 +51,12 @@ def test_features_of_a_map_with_links_and_containment():
     assert shapes[0].certainty == pytest.approx(1 / (1 + np.exp(-3)) / (1 + np.exp(-4)))
     assert shapes[0].neighbours == (2,) and shapes[1].parent == 1
     assert lengths(shapes[0], closed=False) == pytest.approx([3])
+
+
+def test_regions_are_labelled_as_the_map_names_them():
+    offices = [RegionFeature(k, "office", 3, 9.0 * k, 0, 4, 3, 0, existence=4) for k in (3, 8)]
+    assert [s.label for s in shapes_of_map(RegionMap(offices))] == ["office 1", "office 2"]
+    assert [s.label for s in shapes_of_map(offices)] == ["office", "office"]
 
 
 def test_features_of_three_rectangles_keep_their_edges_apart():
