@@ -190,7 +190,12 @@ def _row(pieces: list[tuple[int, ...]], along: Floats, across: Floats, heading: 
     main = 1 if len(pieces) == MAX_RECTANGLES else int(np.argmax(np.round(areas, 9)))
     phi = heading if heading <= np.pi / 2 else heading - np.pi
     if phi != heading:
-        u, b, t, main = [-x for x in reversed(u)], [-x for x in reversed(t)], [-x for x in reversed(b)], len(b) - 1 - main
+        u, b, t, main = (
+            [-x for x in reversed(u)],
+            [-x for x in reversed(t)],
+            [-x for x in reversed(b)],
+            len(b) - 1 - main,
+        )
     return Row.from_parameters(**Row(0.0, 0.0, phi, np.array(u), np.array(b), np.array(t), main).parameters())
 
 

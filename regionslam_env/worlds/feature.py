@@ -64,7 +64,9 @@ class Feature:
         """Return an error about one field."""
         name = self.properties.get("id")
         what = f"{self.kind} {name!r}" if isinstance(name, str) else self.kind
-        return WorldError(f"{self.path}: features[{self.number}] ({what}): {field}: expected {expected}, got {_short(value)}")
+        return WorldError(
+            f"{self.path}: features[{self.number}] ({what}): {field}: expected {expected}, got {_short(value)}"
+        )
 
     def text(self, field: str, default: str | None = None) -> str:
         """Return a property that must be a string with something in it."""
@@ -98,10 +100,14 @@ class Feature:
             raise self.error("geometry.coordinates", f"{len(rings)} rings", "one ring: holes are not supported")
         points = self._points("Polygon", rings[0])
         if len(points) < 4 or not np.array_equal(points[0], points[-1]):
-            raise self.error("geometry.coordinates", points.tolist(), "a ring of at least 4 points whose last is its first")
+            raise self.error(
+                "geometry.coordinates", points.tolist(), "a ring of at least 4 points whose last is its first"
+            )
         polygon = shapely.Polygon(points)
         if not polygon.is_valid:
-            raise self.error("geometry.coordinates", shapely.is_valid_reason(polygon), "a ring that does not cross itself")
+            raise self.error(
+                "geometry.coordinates", shapely.is_valid_reason(polygon), "a ring that does not cross itself"
+            )
         if polygon.buffer(-SMALLEST / 2).is_empty:
             raise self.error("geometry.coordinates", f"area {polygon.area:.3g} m²", f"a width above {SMALLEST} m")
         return shapely.orient_polygons(polygon)
@@ -124,7 +130,9 @@ class Feature:
             own = shapely.union_all([shapely.Polygon(r) for r in row.rectangles()])
             iou = own.intersection(polygon).area / own.union(polygon).area
             if iou < AGREEMENT:
-                raise self.error("properties.row", f"IoU {iou:.2f}", f"the same place as the polygon (IoU >= {AGREEMENT})")
+                raise self.error(
+                    "properties.row", f"IoU {iou:.2f}", f"the same place as the polygon (IoU >= {AGREEMENT})"
+                )
         return row
 
     def _given_row(self, value: Any) -> Row:

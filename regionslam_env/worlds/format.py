@@ -176,7 +176,9 @@ def _features(world: World) -> Iterator[dict[str, Any]]:
         geometry = {"type": "Polygon", "coordinates": [_closed(region.row.outline())]}
         yield _feature(geometry, {**properties, "row": _plain(region.row)}, world.level)
     for wall in world.walls:
-        yield _feature({"type": "LineString", "coordinates": _rounded(wall.reshape(2, 2))}, {"kind": "wall"}, world.level)
+        yield _feature(
+            {"type": "LineString", "coordinates": _rounded(wall.reshape(2, 2))}, {"kind": "wall"}, world.level
+        )
     for door in world.doors:
         geometry = {"type": "LineString", "coordinates": [[door.x0, door.y0], [door.x1, door.y1]]}
         yield _feature(geometry, {"kind": "door", "id": door.id, "regions": list(door.regions)}, world.level)

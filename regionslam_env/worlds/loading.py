@@ -8,6 +8,7 @@ from pathlib import Path
 
 from regionslam_env.errors import WorldError, unknown
 from regionslam_env.worlds.format import load_world
+from regionslam_env.worlds.importers.luperto import load_luperto
 from regionslam_env.worlds.world import World
 
 SUFFIXES = (".geojson", ".json", ".xml")
@@ -47,12 +48,17 @@ def load(world: str | Path | World, scale: float | None = None) -> World:
         if suffix in SUFFIXES or len(path.parts) > 1:
             raise WorldError(f"{path}: no such file, expected a world file ({', '.join(SUFFIXES)}) or a built-in name")
         raise WorldError(unknown("world", name, builtin_names()))
-    if suffix == ".xml":
-        from regionslam_env.worlds.importers.luperto import load_luperto
-
-        return load_luperto(path, scale=scale)
     if suffix not in SUFFIXES:
         raise WorldError(f"{path}: ending {suffix!r}, expected one of {', '.join(SUFFIXES)}")
+    status = path.stat()
+    return _file(path, scale, status.st_mtime_ns, status.st_size)
+
+
+@lru_cache(maxsize=16)
+def _file(path: Path, scale: float | None, changed: int, size: int) -> World:
+    """Read a file once as long as it does not change: worlds are immutable, and importing takes a while."""
+    if path.suffix.lower() == ".xml":
+        return load_luperto(path, scale=scale)
     return load_world(path)
 
 

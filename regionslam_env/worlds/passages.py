@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+import shapely
 
 from regionslam_env.worlds.floorplan import DOOR_DEPTH, Opening
 from slam.rows import Floats
@@ -30,7 +31,7 @@ def fit_opening(
     regions: tuple[str, str],
     outlines: tuple[Floats, Floats],
     point: tuple[float, float],
-    others: Sequence[Floats] = (),
+    others: Sequence[shapely.LinearRing] = (),
     width: float = 0.9,
     least: float = 0.75,
     reach: float = 3.0,
@@ -46,7 +47,7 @@ def fit_opening(
     point
         Where the door is said to be, m.
     others
-        Outlines of the other rooms; an opening that meets one of their corners is the last choice.
+        Outlines of the other rooms; an opening that cuts into one of them is the last choice.
     width, least
         Width of the opening, and what is accepted where that does not fit, m.
     reach
@@ -82,7 +83,7 @@ def _candidates(
     width: float,
     margin: float,
     reach: float,
-    others: Sequence[Floats],
+    others: Sequence[shapely.LinearRing],
 ) -> list[tuple[float, Floats, Floats, float]]:
     """Return (cost, centre, direction, depth) of every pair of sides between which an opening fits."""
     found = []
@@ -114,18 +115,17 @@ def _candidates(
             if shift > reach:
                 continue
             depth = DOOR_DEPTH + far - near
-            crossed = sum(_meets(outline, centre, along, width, depth) for outline in others)
+            crossed = _crossed(others, centre, along, width, depth)
             found.append((shift + AWAY * abs(offsets[1]) + CROSSED * crossed, centre, along, depth))
     return found
 
 
-def _meets(outline: Floats, centre: Floats, along: Floats, width: float, depth: float) -> bool:
-    """Return whether an outline has a point inside the box of an opening."""
-    across = np.array([-along[1], along[0]])
-    following = np.roll(outline, -1, axis=0)
-    points = np.concatenate([outline + f * (following - outline) for f in np.linspace(0, 1, 41)[:-1]]) - centre
-    inside = (np.abs(points @ along) < width / 2 - 0.01) & (np.abs(points @ across) < depth / 2 - 0.01)
-    return bool(inside.any())
+def _crossed(others: Sequence[shapely.LinearRing], centre: Floats, along: Floats, width: float, depth: float) -> int:
+    """Return how many outlines have a point inside the box of an opening."""
+    across = np.array([-along[1], along[0]]) * (depth / 2 - 0.01)
+    half = along * (width / 2 - 0.01)
+    corners = [centre + f * half + g * across for f, g in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+    return int(np.sum(shapely.intersects(shapely.Polygon(corners), list(others)))) if others else 0
 
 
 def _sides(outline: Floats) -> list[tuple[Floats, Floats]]:

@@ -140,12 +140,15 @@ def _largest(shape: shapely.Geometry) -> shapely.Polygon:
 def _openings(name: str, portals: Sequence[Portal], outlines: dict[str, Floats], width: float) -> list[Opening]:
     """Return an opening for every portal that can have one; two of one pair within its width are the same."""
     openings: list[Opening] = []
+    rings = {key: shapely.LinearRing(outline) for key, outline in outlines.items()}
     for portal in portals:
         for space in portal.spaces:
             if space not in outlines:
-                raise WorldError(f"plan {name!r}: portal at ({portal.x:.2f}, {portal.y:.2f}): {unknown('space', space, outlines)}")
+                raise WorldError(
+                    f"plan {name!r}: portal at ({portal.x:.2f}, {portal.y:.2f}): {unknown('space', space, outlines)}"
+                )
         first, second = portal.spaces
-        others = [outline for key, outline in outlines.items() if key not in portal.spaces]
+        others = [ring for key, ring in rings.items() if key not in portal.spaces]
         found = fit_opening(
             f"door {len(openings) + 1}",
             (first, second),

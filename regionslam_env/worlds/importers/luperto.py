@@ -85,7 +85,9 @@ def plan_scale(path: str | Path) -> float:
             votes.append(0.5 * math.log(area / polygon.area))
     if not votes:
         if stated is None:
-            raise WorldError(f"{path}: <scale> is missing and no room has a typical size: give a scale in metres per pixel")
+            raise WorldError(
+                f"{path}: <scale> is missing and no room has a typical size: give a scale in metres per pixel"
+            )
         return stated
     typical = math.exp(float(np.median(votes)))
     if stated is not None and 1 / TRUSTED <= typical / stated <= TRUSTED:
@@ -131,7 +133,10 @@ def _stated_scale(path: Path, root: ElementTree.Element) -> float | None:
     metres = {"cm": 0.01, "mm": 0.001, "m": 1.0}.get(unit)
     if metres is None:
         raise WorldError(f"{path}: scale/real_distance/um: expected cm, mm or m, got {unit!r}")
-    pixels, length = _number(path, "scale/represented_distance/value", drawn), _number(path, "scale/real_distance/value", real)
+    pixels, length = (
+        _number(path, "scale/represented_distance/value", drawn),
+        _number(path, "scale/real_distance/value", real),
+    )
     if pixels <= 0 or length <= 0:
         raise WorldError(f"{path}: scale: expected distances above 0, got {drawn!r} and {real!r}")
     return length * metres / pixels
