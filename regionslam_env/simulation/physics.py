@@ -93,6 +93,8 @@ class Simulation:
         self.collided = abs(dx - way_x) + abs(dy - way_y) + cut * self._dt > _HELD_BACK
         self.path_length += math.hypot(dx, dy)
         self._x, self._y, self._speed_x, self._speed_y = x, y, speed_x, speed_y
+        # Drops what contacts would still push the body next: hidden in the engine, it would not survive pickling.
+        pymunk.Body.update_position(self._body, 0.0)
 
     @property
     def pose(self) -> NDArray[np.float64]:
@@ -102,7 +104,9 @@ class Simulation:
     @property
     def twist(self) -> NDArray[np.float64]:
         """Speed forwards and to the left (m/s) and turn rate (rad/s) after contacts, a fresh array of shape (3,)."""
-        c, s = math.cos(self._theta), math.sin(self._theta)
+        # The velocity is that of the substep to come, along the heading half way through it.
+        heading = self._theta + self.drive.turn_rate * self._dt / 2
+        c, s = math.cos(heading), math.sin(heading)
         forward, lateral = c * self._speed_x + s * self._speed_y, c * self._speed_y - s * self._speed_x
         return np.array((forward, lateral, self.drive.turn_rate))
 
