@@ -60,11 +60,11 @@ def align(rows: Sequence[Row], heading: float, spread: float = 0.3, reach: float
 def _quarters(row: Row, heading: float) -> int | None:
     """Return by how many right angles a row is turned from the building's axes, None where it is not parallel."""
     turns = (row.phi - heading) / (np.pi / 2)
-    return int(round(turns)) % 4 if abs(turns - round(turns)) * np.pi / 2 < SQUARE else None
+    return round(turns) % 4 if abs(turns - round(turns)) * np.pi / 2 < SQUARE else None
 
 
 def _lines(row: Row, heading: float) -> list[tuple[int, float, float, tuple[float, float]]]:
-    """Return a row's lines u[0..n], then b and t of each rectangle: axis, position, length and extent in building axes."""
+    """Return a row's lines u[0..n], then b and t of each rectangle: axis, position, length, extent in the building."""
     quarters = _quarters(row, heading)
     if quarters is None:
         return []

@@ -1,7 +1,7 @@
-"""Any polygon to the row of at most three rectangles that fits it best (Oberländer et al. 2008, section II-B and Fig. 2).
+"""Any polygon to the row of at most three rectangles that fits it best (Oberländer et al. 2008, II-B and Fig. 2).
 
-The polygon is cut into cells by lines through its corners, along and across a direction of its sides. Every run of cells is
-a candidate for a rectangle, and the best row of one, two or three is found by exhaustive search; no randomness.
+The polygon is cut into cells by lines through its corners, along and across a direction of its sides. Every run of
+cells is a candidate for a rectangle, and the best row of one, two or three is found by exhaustive search.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ def annotate(
     polygon
         Shape in metres; holes count as not covered.
     directions
-        Headings (rad) that the row's frame may take (each also turned by 90 degrees); default: those of its longest sides.
+        Headings (rad) that the row's frame may take, each also turned by 90 degrees; default: its longest sides'.
     most
         Largest number of rectangles.
 
@@ -65,7 +65,7 @@ def side_directions(polygon: shapely.Polygon, most: int = 4) -> list[float]:
     lengths = np.hypot(sides[:, 0], sides[:, 1])
     sides, lengths = sides[lengths > 1e-9], lengths[lengths > 1e-9]
     headings = _quarter(np.arctan2(sides[:, 1], sides[:, 0]))
-    found = []
+    found: list[float] = []
     while len(headings) and len(found) < most:
         near = np.abs(_quarter(headings[:, None] - headings[None, :])) <= SAME_DIRECTION
         pick = int(np.argmax(np.round(near @ lengths, 9)))
@@ -129,7 +129,9 @@ def _lines(polygon: shapely.Polygon, axis: int) -> Floats:
     return np.array(lines)
 
 
-def _best_row(along: Floats, across: Floats, covered: Floats, area: float, count: int) -> list[tuple[int, ...]] | None:
+def _best_row(
+    along: Floats, across: Floats, covered: Floats, area: float, count: int
+) -> list[tuple[int, int, int, int]] | None:
     """Return the row with the largest IoU as (first line, last line, bottom line, top line) of each rectangle.
 
     With intersection I and row area R, IoU = I / (area + R - I) is maximised by Dinkelbach's method: repeatedly the row
@@ -182,7 +184,7 @@ def _touching(bottom: NDArray[np.int64], top: NDArray[np.int64]) -> NDArray[np.b
     return np.asarray(overlap.all(axis=1))
 
 
-def _row(pieces: list[tuple[int, ...]], along: Floats, across: Floats, heading: float) -> Row:
+def _row(pieces: list[tuple[int, int, int, int]], along: Floats, across: Floats, heading: float) -> Row:
     """Return the row of some pieces; the main rectangle is the middle one of three, else the largest."""
     u = [along[pieces[0][0]], *(along[p[1]] for p in pieces)]
     b, t = [across[p[2]] for p in pieces], [across[p[3]] for p in pieces]

@@ -1,18 +1,18 @@
 """How far a disc is from touching anything, at points and on a grid, and whether it can roll straight from A to B.
 
-Clearance (m) is the distance of the disc's centre from the nearest wall or obstacle less the disc's radius (and less half
-the thickness of a wall); negative where the disc would overlap it.
+Clearance (m) is the distance of the disc's centre from the nearest wall or obstacle less the disc's radius, and less
+half the thickness of a wall; negative where the disc would overlap it.
 """
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from regionslam_env.worlds.world import WALL_RADIUS, World
-from slam.jit import njit
+from slam.jit import Array, Record, njit
 from slam.rows import Floats
 
 CAP = 1.0
@@ -56,17 +56,17 @@ def clearance_grid(world: World, radius: float, step: float, margin: float) -> G
 
 
 @njit
-def segment_distance(x: float, y: float, s: Any) -> float:
+def segment_distance(x: float, y: float, s: Array) -> float:
     """Return the distance of a point from the segment s = (x0, y0, x1, y1)."""
     dx, dy = s[2] - s[0], s[3] - s[1]
     along = (x - s[0]) * dx + (y - s[1]) * dy
     length2 = dx * dx + dy * dy
     f = min(max(along / length2, 0.0), 1.0) if length2 > 0 else 0.0
-    return np.hypot(x - s[0] - f * dx, y - s[1] - f * dy)
+    return float(np.hypot(x - s[0] - f * dx, y - s[1] - f * dy))
 
 
 @njit
-def polygon_distance(x: float, y: float, sides: Any, begin: int, end: int) -> float:
+def polygon_distance(x: float, y: float, sides: Array, begin: int, end: int) -> float:
     """Return the distance of a point from a convex counter-clockwise polygon, negative inside."""
     nearest, inside = np.inf, True
     for k in range(begin, end):
@@ -77,7 +77,7 @@ def polygon_distance(x: float, y: float, sides: Any, begin: int, end: int) -> fl
 
 
 @njit
-def exact_clearance(x: float, y: float, shapes: Any, radius: float) -> float:
+def exact_clearance(x: float, y: float, shapes: Array, radius: float) -> float:
     """Return the clearance of a disc at a point; infinite in an empty world."""
     nearest = np.inf
     for k in range(len(shapes.walls)):
@@ -88,7 +88,7 @@ def exact_clearance(x: float, y: float, shapes: Any, radius: float) -> float:
 
 
 @njit
-def fill_clearance(x0: float, y0: float, step: float, out: Any, shapes: Any, radius: float) -> None:
+def fill_clearance(x0: float, y0: float, step: float, out: Array, shapes: Array, radius: float) -> None:
     """Lower every node of `out` to its clearance; each shape touches only the nodes near it."""
     reach = CAP + radius + WALL_RADIUS
     n_walls = len(shapes.walls)
@@ -112,7 +112,7 @@ def fill_clearance(x0: float, y0: float, step: float, out: Any, shapes: Any, rad
 
 
 @njit
-def clearance_at(grid: Any, x: float, y: float) -> float:
+def clearance_at(grid: Record, x: float, y: float) -> float:
     """Return the clearance at a point, between grid nodes bilinear; -1 beyond the grid."""
     u, v = (x - grid.x0) / grid.step, (y - grid.y0) / grid.step
     i, j = int(np.floor(u)), int(np.floor(v))
@@ -120,11 +120,11 @@ def clearance_at(grid: Any, x: float, y: float) -> float:
         return -1.0
     u, v, c = u - i, v - j, grid.clearance
     low = (1 - v) * c[i, j] + v * c[i, j + 1]
-    return (1 - u) * low + u * ((1 - v) * c[i + 1, j] + v * c[i + 1, j + 1])
+    return float((1 - u) * low + u * ((1 - v) * c[i + 1, j] + v * c[i + 1, j + 1]))
 
 
 @njit
-def rolls_straight(grid: Any, x: float, y: float, to_x: float, to_y: float) -> bool:
+def rolls_straight(grid: Record, x: float, y: float, to_x: float, to_y: float) -> bool:
     """Return whether the disc can move straight between two points, in strides of the clearance found on the way."""
     length = np.hypot(to_x - x, to_y - y)
     done = 0.0

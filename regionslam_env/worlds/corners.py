@@ -1,27 +1,27 @@
-"""Where shortest paths of a disc bend: points around the corners of walls and obstacles, and which of them see each other.
+"""Where shortest paths of a disc bend: points around the corners of walls and obstacles, and which see each other.
 
-A disc rolls around a corner on an arc of its own radius. The arc is replaced by the sides of a regular polygon around it,
-whose corners lie 3.5 % of a radius outside the arc; a right turn is 1 cm longer than the arc for a disc of 0.25 m.
+A disc rolls around a corner on an arc of its own radius. The arc is replaced by the sides of a regular polygon around
+it, whose corners lie 3.5 % of a radius outside the arc; a right turn is 1 cm longer than the arc for a disc of 0.25 m.
 """
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from regionslam_env.worlds.clearance import Grid, exact_clearance, rolls_straight, shapes_of
-from regionslam_env.worlds.heap import drop_first, push
+from regionslam_env.worlds.heap import drop_first, lower
 from regionslam_env.worlds.world import WALL_RADIUS, World
-from slam.jit import njit
+from slam.jit import Array, Record, njit
 from slam.rows import Floats
 
 SIDES = 12
 """Sides of the polygon that stands for the arc around a corner."""
 
 TAUT = float(np.sin(np.pi / SIDES)) + 0.01
-"""A path bends around a corner only if it leaves nearly tangentially: largest cosine with the direction of the corner."""
+"""A path bends around a corner only if it leaves nearly tangentially: largest cosine with the corner's direction."""
 
 
 class Corners(NamedTuple):
@@ -61,7 +61,7 @@ def corners_of(world: World, grid: Grid, radius: float) -> Corners:
 
 
 @njit
-def _seeing_pairs(points: Any, centres: Any, grid: Any, pairs: Any) -> int:
+def _seeing_pairs(points: Array, centres: Array, grid: Record, pairs: Array) -> int:
     """Write the pairs that see each other along a taut line; returns their number, also where `pairs` is too small."""
     count = 0
     for i in range(len(points)):
@@ -82,7 +82,7 @@ def _seeing_pairs(points: Any, centres: Any, grid: Any, pairs: Any) -> int:
 
 
 @njit
-def relax_corners(corners: Any, distance: Any, towards: Any) -> None:
+def relax_corners(corners: Record, distance: Array, towards: Array, heap: Array, place: Array) -> None:
     """Lower the distance of every corner to that through its neighbours (Dijkstra 1959).
 
     Parameters
@@ -91,18 +91,19 @@ def relax_corners(corners: Any, distance: Any, towards: Any) -> None:
         Known bounds, (V,), infinite where none; shortest distances afterwards.
     towards
         Next corner on the way, (V,); written where a way through a neighbour is shorter.
+    heap, place
+        Room for a heap of V items; `place` filled with -1.
     """
-    keys, items, size = np.empty(len(distance) + 16, np.float64), np.empty(len(distance) + 16, np.int64), 0
+    size = 0
     for v in range(len(distance)):
         if distance[v] < np.inf:
-            keys, items, size = push(keys, items, size, distance[v], v)
+            size = lower(heap, place, distance, size, v)
     while size > 0:
-        key, v = keys[0], items[0]
-        size = drop_first(keys, items, size)
-        if key > distance[v]:
-            continue
+        v = heap[0]
+        size = drop_first(heap, place, distance, size)
         for e in range(corners.first[v], corners.first[v + 1]):
-            w, through = corners.target[e], key + corners.length[e]
+            w, through = corners.target[e], distance[v] + corners.length[e]
             if through < distance[w]:
-                distance[w], towards[w] = through, v
-                keys, items, size = push(keys, items, size, through, w)
+                distance[w] = through
+                towards[w] = v
+                size = lower(heap, place, distance, size, w)

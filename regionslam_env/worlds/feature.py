@@ -48,7 +48,7 @@ class Feature:
         if not isinstance(properties, dict):
             raise WorldError(f"{place}: properties: expected an object, got {_short(properties)}")
         kind = properties.get("kind")
-        if kind not in kinds:
+        if not isinstance(kind, str) or kind not in kinds:
             raise WorldError(f"{place}: properties.kind: {unknown('kind', kind, kinds)}")
         geometry = item.get("geometry")
         if geometry is not None and not isinstance(geometry, dict):
@@ -130,9 +130,7 @@ class Feature:
             own = shapely.union_all([shapely.Polygon(r) for r in row.rectangles()])
             iou = own.intersection(polygon).area / own.union(polygon).area
             if iou < AGREEMENT:
-                raise self.error(
-                    "properties.row", f"IoU {iou:.2f}", f"the same place as the polygon (IoU >= {AGREEMENT})"
-                )
+                raise self.error("properties.row", f"IoU {iou:.2f}", f"the place of the polygon (IoU >= {AGREEMENT})")
         return row
 
     def _given_row(self, value: Any) -> Row:
@@ -141,10 +139,10 @@ class Feature:
         for key in value:
             if key not in _ROW_FIELDS:
                 raise self.error("properties.row", key, f"a known field ({unknown('field', key, _ROW_FIELDS)})")
-        numbers = {key: self._number(f"properties.row.{key}", value.get(key, 0.0)) for key in ("x", "y", "phi")}
-        sizes = {key: self._size(f"properties.row.{key}", value.get(key)) for key in ("w", "h")}
-        subrectangles = {key: self._subrectangle(key, value.get(key)) for key in ("left", "right")}
-        return Row.from_parameters(**numbers, **sizes, **subrectangles)
+        x, y, phi = (self._number(f"properties.row.{key}", value.get(key, 0.0)) for key in ("x", "y", "phi"))
+        w, h = (self._size(f"properties.row.{key}", value.get(key)) for key in ("w", "h"))
+        left, right = (self._subrectangle(key, value.get(key)) for key in ("left", "right"))
+        return Row.from_parameters(x, y, w, h, phi, left, right)
 
     def _subrectangle(self, key: str, value: Any) -> tuple[float, float, float] | None:
         if value is None:

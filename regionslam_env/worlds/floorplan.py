@@ -85,7 +85,7 @@ def assemble(
 
 
 def link_between(door: Region, room: Region) -> Link:
-    """Return the link of a door and a room: the door's long edge that faces the room, the room's edge nearest the door."""
+    """Return the link of a door and a room: the door's long edge that faces the room, the room's edge nearest to it."""
     row = door.row
     faces = row.to_world([[0.0, row.t[0]], [0.0, row.b[0]]])
     outside = row.to_world([[0.0, row.t[0] + DOOR_DEPTH], [0.0, row.b[0] - DOOR_DEPTH]])

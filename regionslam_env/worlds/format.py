@@ -21,6 +21,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Iterator
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -101,7 +102,7 @@ def save_world(world: World, path: str | Path) -> None:
     """Write a world in our format; the file appears complete or not at all."""
     path = Path(path)
     lines = ",\n".join(json.dumps(f, ensure_ascii=False, allow_nan=False) for f in _features(world))
-    head = {"type": "FeatureCollection", "name": world.name, "level": world.level}
+    head: dict[str, Any] = {"type": "FeatureCollection", "name": world.name, "level": world.level}
     if world.spawn is not None:
         head["spawn"] = list(world.spawn)
     text = json.dumps(head, ensure_ascii=False)[:-1] + f', "features": [\n{lines}\n]}}\n'
@@ -147,7 +148,7 @@ def _region(feature: Feature) -> Region:
 
 def _segments(feature: Feature) -> Iterator[tuple[float, ...]]:
     points = feature.line()
-    for start, end in zip(points[:-1], points[1:], strict=True):
+    for start, end in pairwise(points):
         yield (*start, *end)
 
 
@@ -155,7 +156,8 @@ def _door(feature: Feature) -> Door:
     points = feature.line()
     if len(points) != 2:
         raise feature.error("geometry.coordinates", len(points), "two points, the ends of the opening")
-    return Door(feature.text("id"), *map(float, points.ravel()), regions=feature.texts("regions"))
+    (x0, y0), (x1, y1) = points
+    return Door(feature.text("id"), float(x0), float(y0), float(x1), float(y1), feature.texts("regions"))
 
 
 def _spawn(path: Path, value: Any) -> tuple[float, float, float] | None:
@@ -170,10 +172,10 @@ def _spawn(path: Path, value: Any) -> tuple[float, float, float] | None:
 def _features(world: World) -> Iterator[dict[str, Any]]:
     """Yield every feature of the file, GeoJSON."""
     for region in world.regions:
-        properties = {"kind": "region", "id": region.id, "type": region.type, "name": region.name}
+        properties: dict[str, Any] = {"kind": "region", "id": region.id, "type": region.type, "name": region.name}
         if region.parent is not None:
             properties["parent"] = region.parent
-        geometry = {"type": "Polygon", "coordinates": [_closed(region.row.outline())]}
+        geometry: dict[str, Any] = {"type": "Polygon", "coordinates": [_closed(region.row.outline())]}
         yield _feature(geometry, {**properties, "row": _plain(region.row)}, world.level)
     for wall in world.walls:
         yield _feature(

@@ -1,8 +1,8 @@
 """Shortest distances of a disc to a region, any-angle: what SPL, starts and rewards are measured with.
 
 A shortest path is straight but for bends at the corners of walls and furniture. Every grid node of a field therefore
-stores no distance but the *root* of its last straight piece (a corner, or the goal itself), and a query is exact for the root:
-its distance plus the straight line to it.
+stores no distance but the *root* of its last straight piece (a corner, or the goal itself), and a query is exact for
+the root: its distance plus the straight line to it.
 """
 
 from __future__ import annotations
@@ -10,17 +10,15 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from regionslam_env.errors import WorldError, unknown
-from regionslam_env.worlds.clearance import Grid, clearance_grid, exact_clearance, rolls_straight, shapes_of
+from regionslam_env.worlds.clearance import clearance_grid, exact_clearance, rolls_straight, shapes_of
 from regionslam_env.worlds.corners import Corners, corners_of, relax_corners
-from regionslam_env.worlds.heap import drop_first, push
+from regionslam_env.worlds.flooding import Roots, flood, foot, query, see_goals
 from regionslam_env.worlds.world import World
-from slam.jit import njit
 from slam.rows import Floats
 
 STEP = 0.15
@@ -28,19 +26,6 @@ STEP = 0.15
 
 MARGIN = 0.5
 """Extent of the grid beyond the world, m."""
-
-
-class Roots(NamedTuple):
-    """Everything a query needs: roots 0 .. V-1 are corners, V .. V+G-1 rectangles of the goal."""
-
-    grid: Grid
-    points: Floats  # (V, 2) corners
-    distance: Floats  # (V,) from the corner to the goal
-    goals: Floats  # (G, 8) rectangles: x, y, cos, sin of the row's frame, then u0, u1, b, t
-    first: NDArray[np.int64]  # (V + 2,) corners whose next is corner k are behind[first[k + 1] : first[k + 2]]
-    behind: NDArray[np.int64]  # (V,) corners by their next one; first those that see the goal (k = -1)
-    root: NDArray[np.int32]  # (nx, ny), -1 where the goal cannot be reached
-    value: Floats  # (nx, ny) distance at the node
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,9 +50,14 @@ class Field:
         """Return the distance (m) from a point until the centre is inside a goal region; infinite if it cannot be."""
         return float(query(self.roots, x, y)[0])
 
+    @property
+    def nodes(self) -> Floats:
+        """Distance at every node of the grid, m; infinite where unreachable or blocked, (nx, ny)."""
+        return self.roots.value.reshape(self.roots.grid.clearance.shape)
+
     def path(self, x: float, y: float) -> Floats:
-        """Return the corners of the shortest path from a point, itself first, shape (k, 2); WorldError if there is none."""
-        distance, root = query(self.roots, x, y)
+        """Return the shortest path from a point as its corners, itself first, shape (k, 2); WorldError if none."""
+        _, root = query(self.roots, x, y)
         if root < 0:
             raise WorldError(f"no path from ({x:.2f}, {y:.2f}) to the goal")
         points = [(x, y)]
@@ -78,7 +68,9 @@ class Field:
         feet = [foot(goal, *points[-1]) for goal in self.roots.goals]
         seen = [f for f in feet if rolls_straight(self.roots.grid, *points[-1], f[0], f[1])] or feet
         last = min(seen, key=lambda f: f[2])
-        return np.array([*points, (last[0], last[1])])
+        if last[2] > 0:
+            points.append((last[0], last[1]))
+        return np.array(points)
 
 
 class Geodesic:
@@ -113,7 +105,7 @@ class Geodesic:
         return self.clearance(x, y) >= margin
 
     def distance(self, start: tuple[float, float], goals: Iterable[int | str]) -> float:
-        """Return the distance (m) from a start until the centre is inside the nearest goal region; infinite if none is."""
+        """Return the distance (m) from a start into the nearest goal region; infinite if none can be reached."""
         return self.field(goals).at(start[0], start[1])
 
     def field(self, goals: Iterable[int | str]) -> Field:
@@ -154,7 +146,7 @@ class Geodesic:
         """
         mask = (self.grid.clearance >= margin) & self._inside(regions)
         if field is not None:
-            value = field.roots.value
+            value = field.nodes
             mask &= np.isfinite(value) & (value >= at_least) & (value <= at_most)
         nodes = np.argwhere(mask)
         if not len(nodes):
@@ -185,14 +177,15 @@ class Geodesic:
         distance = np.full(len(corners.points), np.inf)
         towards = np.full(len(corners.points), -1, dtype=np.int64)
         see_goals(self.grid, corners.points, goals, distance)
-        relax_corners(corners, distance, towards)
+        n = len(corners.points)
+        relax_corners(corners, distance, towards, np.empty(n, np.int64), np.full(n, -1))
         behind = np.argsort(towards, kind="stable")
         behind = behind[np.isfinite(distance[behind])]
         first = np.searchsorted(towards[behind], np.arange(-1, len(towards) + 1)).astype(np.int64)
-        root = np.full(self.grid.clearance.shape, -1, dtype=np.int32)
-        value = np.full(self.grid.clearance.shape, np.inf)
+        nodes = self.grid.clearance.size
+        root, value = np.full(nodes, -1), np.full(nodes, np.inf)
         roots = Roots(self.grid, corners.points, distance, goals, first, behind, root, value)
-        flood(roots)
+        flood(roots, np.empty(nodes, np.int64), np.full(nodes, -1), np.full(nodes, -1), np.empty(256, np.int64))
         return Field(indices, roots, towards)
 
     def _inside(self, regions: Iterable[int] | None) -> NDArray[np.bool_]:
@@ -228,132 +221,3 @@ def _rectangles(world: World, indices: Iterable[int]) -> Floats:
         for k in range(row.n)
     ]
     return np.array(listed, dtype=np.float64).reshape(-1, 8)
-
-
-@njit
-def foot(goal: Any, x: float, y: float) -> Any:
-    """Return the point of a rectangle nearest to (x, y), and its distance."""
-    along = goal[2] * (x - goal[0]) + goal[3] * (y - goal[1])
-    across = -goal[3] * (x - goal[0]) + goal[2] * (y - goal[1])
-    u, v = min(max(along, goal[4]), goal[5]), min(max(across, goal[6]), goal[7])
-    fx, fy = goal[0] + goal[2] * u - goal[3] * v, goal[1] + goal[3] * u + goal[2] * v
-    return fx, fy, np.hypot(along - u, across - v)
-
-
-@njit
-def see_goals(grid: Any, points: Any, goals: Any, distance: Any) -> None:
-    """Lower the distance of every corner that sees its nearest point of a goal rectangle."""
-    for v in range(len(points)):
-        for g in range(len(goals)):
-            fx, fy, straight = foot(goals[g], points[v, 0], points[v, 1])
-            if straight < distance[v] and rolls_straight(grid, points[v, 0], points[v, 1], fx, fy):
-                distance[v] = straight
-
-
-@njit
-def through_root(roots: Any, root: int, x: float, y: float) -> Any:
-    """Return the distance from (x, y) to the goal through a root, and the end of the straight piece."""
-    corners = len(roots.points)
-    if root < corners:
-        px, py = roots.points[root, 0], roots.points[root, 1]
-        return roots.distance[root] + np.hypot(x - px, y - py), px, py
-    fx, fy, straight = foot(roots.goals[root - corners], x, y)
-    return straight, fx, fy
-
-
-@njit
-def improve(roots: Any, i: int, j: int, root: int, failed: Any, stack: Any) -> bool:
-    """Give a node this root, or one behind it, if that is shorter and its straight piece is free; returns whether it was.
-
-    A node that cannot see the root stands in the shadow of a corner whose own way leads through that root; often the
-    shadow is thinner than the grid and nobody else would hand the corner on.
-    """
-    grid, corners = roots.grid, len(roots.points)
-    if grid.clearance[i, j] < 0 or failed[i, j] == root:
-        return False
-    x, y = grid.x0 + i * grid.step, grid.y0 + j * grid.step
-    improved, size = False, 1
-    stack[0] = root
-    while size > 0:
-        size -= 1
-        tried = stack[size]
-        value, px, py = through_root(roots, tried, x, y)
-        if value > roots.value[i, j] - 1e-9:
-            continue
-        if rolls_straight(grid, x, y, px, py):
-            roots.value[i, j], roots.root[i, j] = value, tried
-            improved = True
-            continue
-        failed[i, j] = tried
-        parent = tried if tried < corners else -1
-        for c in range(roots.first[parent + 1], roots.first[parent + 2]):
-            child = roots.behind[c]
-            detour = through_root(roots, child, x, y)[0] - value
-            if detour < 2 * grid.step and size < len(stack):
-                stack[size] = child
-                size += 1
-    return improved
-
-
-@njit
-def flood(roots: Any) -> None:
-    """Fill `root` and `value` outwards from the goals and the corners, nearest nodes first."""
-    grid, corners = roots.grid, len(roots.points)
-    nx, ny = grid.clearance.shape
-    failed, stack = np.full((nx, ny), -1, np.int32), np.empty(256, np.int64)
-    keys, items, size = np.empty(nx * ny, np.float64), np.empty(nx * ny, np.int64), 0
-    for root in range(corners + len(roots.goals)):
-        if root < corners and roots.distance[root] == np.inf:
-            continue
-        lx, ly, hx, hy = extent(roots, root)
-        for i in range(max(0, int((lx - grid.x0) / grid.step)), min(nx, int((hx - grid.x0) / grid.step) + 2)):
-            for j in range(max(0, int((ly - grid.y0) / grid.step)), min(ny, int((hy - grid.y0) / grid.step) + 2)):
-                if improve(roots, i, j, root, failed, stack):
-                    keys, items, size = push(keys, items, size, roots.value[i, j], i * ny + j)
-    while size > 0:
-        key, node = keys[0], items[0]
-        size = drop_first(keys, items, size)
-        i, j = node // ny, node % ny
-        if key > roots.value[i, j]:
-            continue
-        for k in range(4):
-            ni, nj = i + (k == 0) - (k == 1), j + (k == 2) - (k == 3)
-            if 0 <= ni < nx and 0 <= nj < ny and improve(roots, ni, nj, roots.root[i, j], failed, stack):
-                keys, items, size = push(keys, items, size, roots.value[ni, nj], ni * ny + nj)
-
-
-@njit
-def extent(roots: Any, root: int) -> Any:
-    """Return the box (lowest x, y, highest x, y) of a root: a point, or a rectangle of the goal."""
-    corners = len(roots.points)
-    if root < corners:
-        x, y = roots.points[root, 0], roots.points[root, 1]
-        return x, y, x, y
-    g = roots.goals[root - corners]
-    u, v, half_u, half_v = (g[4] + g[5]) / 2, (g[6] + g[7]) / 2, (g[5] - g[4]) / 2, (g[7] - g[6]) / 2
-    x, y = g[0] + g[2] * u - g[3] * v, g[1] + g[3] * u + g[2] * v
-    half_x, half_y = abs(g[2]) * half_u + abs(g[3]) * half_v, abs(g[3]) * half_u + abs(g[2]) * half_v
-    return x - half_x, y - half_y, x + half_x, y + half_y
-
-
-@njit
-def query(roots: Any, x: float, y: float) -> Any:
-    """Return the distance from a point to the goal and its root (-1 if unreachable).
-
-    The point takes the best root of the nodes around it. Where all of them are blocked (it touches a wall), the nearest
-    ring of nodes with a root helps out, at most four nodes away.
-    """
-    grid = roots.grid
-    nx, ny = grid.clearance.shape
-    best, best_root = np.inf, -1
-    i0, j0 = int(np.floor((x - grid.x0) / grid.step)), int(np.floor((y - grid.y0) / grid.step))
-    for ring in range(5):
-        for i in range(max(0, i0 - ring), min(nx, i0 + ring + 2)):
-            for j in range(max(0, j0 - ring), min(ny, j0 + ring + 2)):
-                if roots.root[i, j] >= 0:
-                    value = through_root(roots, roots.root[i, j], x, y)[0]
-                    if value < best:
-                        best, best_root = value, roots.root[i, j]
-        if best_root >= 0:
-            break
-    return best, best_root

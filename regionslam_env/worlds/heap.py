@@ -1,44 +1,53 @@
-"""A binary heap on plain arrays, for shortest paths inside kernels: least key first."""
+"""A binary heap on plain arrays, for shortest paths inside kernels: the item with the least key comes first.
+
+Items are numbers 0 .. n-1 and stand in the heap at most once, so it never grows beyond n: `heap` holds the items,
+`place` where each of them stands in it (-1: nowhere), `key` what they are ordered by.
+"""
 
 from __future__ import annotations
 
-from typing import Any
-
-import numpy as np
-
-from slam.jit import njit
+from slam.jit import Array, njit
 
 
 @njit
-def push(keys: Any, items: Any, size: int, key: float, item: int) -> Any:
-    """Add an item; returns (keys, items, size), which are new arrays where the old ones were full."""
-    if size == len(keys):
-        more_keys, more_items = np.empty(2 * size + 16, np.float64), np.empty(2 * size + 16, np.int64)
-        more_keys[:size], more_items[:size] = keys, items
-        keys, items = more_keys, more_items
-    i = size
-    while i > 0 and keys[(i - 1) // 2] > key:
-        keys[i], items[i] = keys[(i - 1) // 2], items[(i - 1) // 2]
-        i = (i - 1) // 2
-    keys[i], items[i] = key, item
-    return keys, items, size + 1
+def lower(heap: Array, place: Array, key: Array, size: int, item: int) -> int:
+    """Put an item into the heap, or move it up after its key has become smaller; returns the size."""
+    i = place[item]
+    if i < 0:
+        i = size
+        size += 1
+    while i > 0:
+        above = (i - 1) >> 1
+        if key[heap[above]] <= key[item]:
+            break
+        heap[i] = heap[above]
+        place[heap[i]] = i
+        i = above
+    heap[i] = item
+    place[item] = i
+    return size
 
 
 @njit
-def drop_first(keys: Any, items: Any, size: int) -> int:
-    """Remove the first item (read it from ``keys[0], items[0]`` before); returns the new size."""
+def drop_first(heap: Array, place: Array, key: Array, size: int) -> int:
+    """Remove the first item (read ``heap[0]`` before); returns the size."""
+    place[heap[0]] = -1
     size -= 1
-    key, item = keys[size], items[size]
+    if size == 0:
+        return size
+    item = heap[size]
     i = 0
     while True:
         child = 2 * i + 1
         if child >= size:
             break
-        if child + 1 < size and keys[child + 1] < keys[child]:
+        if child + 1 < size and key[heap[child + 1]] < key[heap[child]]:
             child += 1
-        if keys[child] >= key:
+        if key[heap[child]] >= key[item]:
             break
-        keys[i], items[i] = keys[child], items[child]
+        heap[i] = heap[child]
+        place[heap[i]] = i
         i = child
-    keys[i], items[i] = key, item
+    heap[i] = item
+    place[item] = i
     return size

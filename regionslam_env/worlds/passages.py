@@ -55,14 +55,14 @@ def fit_opening(
     """
     for span in (width, (width + least) / 2, least):
         found = [
-            (cost + extra, *rest)
+            (cost + extra, centre, along, depth)
             for margin, extra in MARGINS.items()
-            for cost, *rest in _candidates(outlines, np.array(point), span, margin, reach, others)
+            for cost, centre, along, depth in _candidates(outlines, np.array(point), span, margin, reach, others)
         ]
         if found:
             _, centre, along, depth = min(found, key=lambda candidate: round(candidate[0], 6))
-            start, end = centre - along * span / 2, centre + along * span / 2
-            return Opening(name, regions, *map(float, (*start, *end)), depth=depth)
+            (x0, y0), (x1, y1) = centre - along * span / 2, centre + along * span / 2
+            return Opening(name, regions, float(x0), float(y0), float(x1), float(y1), depth)
     return None
 
 

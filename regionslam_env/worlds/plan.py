@@ -45,8 +45,8 @@ class Portal:
 def build(name: str, spaces: Sequence[Space], portals: Sequence[Portal], door_width: float = 0.9) -> World:
     """Return the world of a plan.
 
-    Rooms become rows of at most three rectangles; edges of neighbours that lie close together are moved onto one line, on
-    which the wall stands. A door is cut through both borders where they run side by side nearest to its point.
+    Rooms become rows of at most three rectangles; edges of neighbours that lie close together are moved onto one line,
+    on which the wall stands. A door is cut through both borders where they run side by side nearest to its point.
 
     Raises
     ------
@@ -83,7 +83,7 @@ def wall_outline(row: Row, polygon: shapely.Polygon) -> Floats:
     beyond, missing = (_thick(a.difference(b)) for a, b in ((shape, polygon), (polygon, shape)))
     corrected = _largest(shape.difference(beyond).union(missing))
     outline = shapely.simplify(shapely.Polygon(corrected.exterior), 0.02)
-    return shapely.get_coordinates(shapely.orient_polygons(outline).exterior)[:-1]
+    return np.asarray(shapely.get_coordinates(shapely.orient_polygons(outline).exterior)[:-1])
 
 
 def _thick(shape: shapely.Geometry) -> shapely.Geometry:

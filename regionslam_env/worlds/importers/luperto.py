@@ -1,7 +1,7 @@
 """Floor plans in the XML of Luperto and Amigoni: real schools and offices with labelled rooms and doors.
 
-Rooms are polygons in pixels, y down. A portal names the two spaces that it joins and a line segment, mostly of no length.
-The scale takes a door to be 90 cm wide and is often far off, see `plan_scale`.
+Rooms are polygons in pixels, y down. A portal names the two spaces that it joins and a line segment, often of no
+length. The scale takes a door to be 90 cm wide and is often far off, see `plan_scale`.
 """
 
 from __future__ import annotations
@@ -70,7 +70,7 @@ def load_luperto(path: str | Path, scale: float | None = None, door_width: float
 
 
 def plan_scale(path: str | Path) -> float:
-    """Return metres per pixel: the file's own scale, unless the rooms would be far too large or small for what they are.
+    """Return metres per pixel: the file's own scale, unless rooms would be far too large or small for what they are.
 
     Rooms whose label has a typical area vote with the square root of typical over drawn area; the median overrules the
     file where it differs by more than `TRUSTED`.
