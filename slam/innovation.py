@@ -116,15 +116,26 @@ def correspond(z: Record, m: Record, offset: int, pose: Array, slack: float, wor
                 rows += 1
             else:
                 violation += _beyond(z, m, i, j, r, 2 * top - 1, slack)
-        # The two rectangles must overlap, or they are two regions in one line.
-        i, j = u_index(k - offset), u_index(k)
-        i1, j1 = u_index(k - offset + 1), u_index(k + 1)
-        gap = max(z.state[i] - (pu + m.state[j1]), (pu + m.state[j]) - z.state[i1])
+        violation += _apart(z, m, u_index(k - offset), u_index(k - offset + 1), u_index(k), u_index(k + 1), pu, slack)
         i, j = b_index(k - offset), b_index(k)
-        gap = max(gap, z.state[i] - (pv + m.state[j + 1]), (pv + m.state[j]) - z.state[i + 1])
-        if gap > 0.0:
-            violation += gap * gap / (2 * slack)
+        violation += _apart(z, m, i, i + 1, j, j + 1, pv, slack)
     return rows, violation
+
+
+@njit
+def _apart(z: Record, m: Record, i0: int, i1: int, j0: int, j1: int, shift: float, slack: float) -> float:
+    """Return what it costs that two rectangles hardly overlap along an axis: two glimpses in one line are two regions.
+
+    A gap costs its squared, normalised width. Without a common closed edge to place them, half of the smaller extent
+    must overlap, or offices side by side, each with its far walls unseen, would grow into one.
+    """
+    z0, z1 = z.state[i0], z.state[i1]
+    m0, m1 = m.state[j0] + shift, m.state[j1] + shift
+    overlap = min(z1, m1) - max(z0, m0)
+    placed = (z.closed[i0] and m.closed[j0]) or (z.closed[i1] and m.closed[j1])
+    if not placed and overlap < 0.5 * min(z1 - z0, m1 - m0):
+        return np.inf
+    return overlap * overlap / (2 * slack) if overlap < 0.0 else 0.0
 
 
 @njit
