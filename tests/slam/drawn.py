@@ -86,7 +86,7 @@ def associated(
 
 def links_to(*pairs: tuple[int, int, int, int]) -> Records:
     """Associations (1, M) of (slot, turn, turn_map, offset)."""
-    return np.array([pairs], ASSOCIATION)
+    return np.array([list(pairs)], ASSOCIATION)
 
 
 def random_state(rng: np.random.Generator, n: int) -> NDArray[np.float64]:
