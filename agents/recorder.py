@@ -13,7 +13,7 @@ from PIL import Image
 from regionslam_env.rendering import GifWriter, Renderer, Snapshot, draw_map
 from regionslam_env.rendering.shapes import Shape, shapes_of_map
 
-MAX_FRAMES = 240
+MAX_FRAMES = 160
 FIRST_INTERVAL = 4
 
 
@@ -89,7 +89,7 @@ class Recorder:
             robot_radius=self.env.robot.radius,
             lidar_range=self.env.sensors.lidar_range,
         )
-        with GifWriter(path) as gif:
+        with GifWriter(path, colours=renderer.colours) as gif:
             for snapshot in self.snapshots():
                 gif.add(renderer.frame(snapshot))
 

@@ -120,18 +120,19 @@ def make_environment(settings: RunSettings, world: World) -> gymnasium.Env[Any, 
     types: tuple[str, ...] = SEMANTIC_TYPES
     if instruction.type not in types:
         types = (*types[:-1], instruction.type, types[-1])
-    return gymnasium.make(
-        ENVIRONMENT,
-        world=world,
-        goal=instruction.type,
-        arrival="declare",
-        max_steps=MAX_STEPS,
-        max_regions=MAX_REGIONS,
-        semantic_types=types,
-        localization=settings.localization,
-        noise=settings.noise,
-        **({} if settings.start_distance is None else {"start_distance": settings.start_distance}),
-    )
+    kwargs: dict[str, Any] = {
+        "world": world,
+        "goal": instruction.type,
+        "arrival": "declare",
+        "max_steps": MAX_STEPS,
+        "max_regions": MAX_REGIONS,
+        "semantic_types": types,
+        "localization": settings.localization,
+        "noise": settings.noise,
+    }
+    if settings.start_distance is not None:
+        kwargs["start_distance"] = settings.start_distance
+    return gymnasium.make(ENVIRONMENT, **kwargs)
 
 
 def _moment(base: Any, agent: Any, step: int) -> Moment:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import os
+from collections.abc import Iterable
 from pathlib import Path
 from types import TracebackType
 
@@ -11,17 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
+from regionslam_env.rendering.palette import Colour
 from slam.storage import replacing
-
-OWN_COLOURS = 128
-LEVELS = (0, 64, 128, 191, 255)
 
 
 class GifWriter:
     """Collects frames and writes them as one looping GIF on leaving the `with` block without an error.
 
-    Frames are reduced to one palette as they come, without dithering: the colours of the first (its legend shows most),
-    and a coarse cube for what appears later.
+    Frames are reduced to one palette as they come, without dithering, so that a colour stays the same throughout.
 
     Parameters
     ----------
@@ -31,13 +29,17 @@ class GifWriter:
         Duration of a frame, ms.
     last_ms
         Duration of the last frame, ms.
+    colours
+        Colours that the palette has to hold; the rest of its 256 are spread evenly.
     """
 
-    def __init__(self, path: str | os.PathLike[str], frame_ms: int = 80, last_ms: int = 2500) -> None:
+    def __init__(
+        self, path: str | os.PathLike[str], frame_ms: int = 80, last_ms: int = 2500, colours: Iterable[Colour] = ()
+    ) -> None:
         self.path = Path(path)
         self.frame_ms, self.last_ms = frame_ms, last_ms
         self._frames: list[Image.Image] = []
-        self._palette: Image.Image | None = None
+        self._palette = _palette(colours)
 
     def __enter__(self) -> GifWriter:
         return self
@@ -45,8 +47,6 @@ class GifWriter:
     def add(self, frame: NDArray[np.uint8]) -> None:
         """Append a frame of shape (height, width, 3)."""
         image = Image.fromarray(frame)
-        if self._palette is None:
-            self._palette = _palette(image)
         self._frames.append(image.quantize(palette=self._palette, dither=Image.Dither.NONE))
 
     def __len__(self) -> int:
@@ -73,10 +73,11 @@ class GifWriter:
             )
 
 
-def _palette(image: Image.Image) -> Image.Image:
-    """Return a palette of 128 colours of an image and 125 spread evenly over all colours."""
-    own = image.quantize(OWN_COLOURS, method=Image.Quantize.MEDIANCUT).getpalette() or []
-    cube = [level for colour in itertools.product(LEVELS, repeat=3) for level in colour]
+def _palette(colours: Iterable[Colour]) -> Image.Image:
+    """Return a palette of the colours given and as fine a cube of all colours as there is room for."""
+    own = list(dict.fromkeys(colours))[:248]
+    levels = int((256 - len(own)) ** (1 / 3) + 1e-9)
+    cube = itertools.product(np.linspace(0, 255, levels).round().astype(int).tolist(), repeat=3)
     palette = Image.new("P", (1, 1))
-    palette.putpalette(own[: 3 * OWN_COLOURS] + cube)
+    palette.putpalette([level for colour in (*own, *cube) for level in colour])
     return palette

@@ -13,6 +13,7 @@ from regionslam_env.rendering.palette import (
     GOAL,
     INK,
     LIDAR,
+    LIDAR_SHARE,
     LINK,
     PAPER,
     Colour,
@@ -158,7 +159,7 @@ def draw_lidar(
     angles = -np.pi + 2 * np.pi * np.arange(len(ranges)) / len(ranges)
     points = np.stack([np.cos(angles), np.sin(angles)], axis=1) * np.asarray(ranges)[:, None]
     pixels = view.seen_from(pose).pixels(points)
-    panel.polygon(pixels, LIDAR, 0.13)
+    panel.polygon(pixels, LIDAR, LIDAR_SHARE)
     if dots:
         for pixel, distance in zip(pixels, ranges, strict=True):
             if distance < 0.999 * max_range:

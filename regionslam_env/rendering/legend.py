@@ -38,6 +38,17 @@ def _open(panel: Panel, x: float, y: float) -> None:
     panel.dashes((x, y), (x + SWATCH, y), INK, 1.6)
 
 
+def _inside(panel: Panel, x: float, y: float) -> None:
+    panel.dashes((x, y), (x + SWATCH, y), blend(LINK, PAPER, 0.2), 1.0)
+
+
+def _unsure(panel: Panel, x: float, y: float) -> None:
+    for k in range(3):
+        left, right = x + k * SWATCH / 3, x + (k + 1) * SWATCH / 3
+        colour = blend(type_colour("office"), PAPER, 0.3 * k)
+        panel.polygon([(left, y - 6), (right, y - 6), (right, y + 6), (left, y + 6)], colour)
+
+
 def _path(colour: tuple[int, int, int]) -> Sign:
     def sign(panel: Panel, x: float, y: float) -> None:
         panel.line([(x, y + 3), (x + 7, y - 3), (x + 14, y + 3), (x + SWATCH, y - 3)], colour, 1.6)
@@ -71,7 +82,9 @@ SIGNS: tuple[NamedSign, ...] = (
     ("goal", _goal),
     ("edge seen", _closed),
     ("edge still open", _open),
-    ("link", _link),
+    ("paler: less sure", _unsure),
+    ("passage", _link),
+    ("part of", _inside),
     ("lidar", _lidar),
     ("true path", _path(TRUTH)),
     ("believed path", _path(BELIEF)),

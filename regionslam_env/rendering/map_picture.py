@@ -106,7 +106,7 @@ def _compose(
 
 
 def _upright(points: Floats, direction: float) -> tuple[Floats, tuple[float, float, float, float]]:
-    """Return the map frame as a pose in the picture's frame, in which the points are wider than high, and their bounds."""
+    """Return the map frame as a pose in a frame in which the points are wider than high, and their bounds there."""
     for turn in (-direction, np.pi / 2 - direction):
         frame = np.array([0.0, 0.0, turn])
         corners = np.array(Viewport(np.eye(2), np.zeros(2), 1.0).seen_from(frame).pixels(points))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import colorsys
 import hashlib
+from collections.abc import Iterable
 from functools import cache, lru_cache
 
 from PIL import Image, ImageDraw, ImageFont
@@ -21,6 +22,9 @@ BELIEF: Colour = (196, 43, 84)
 GOAL: Colour = (222, 120, 0)
 LIDAR: Colour = (22, 140, 120)
 LINK: Colour = (90, 98, 112)
+
+LIDAR_SHARE = 0.13
+"""How strongly the area swept by the lidar is tinted."""
 
 _TYPES: dict[str, str] = {
     "hallway": "#f1e9d2",
@@ -59,6 +63,15 @@ def blend(colour: Colour, other: Colour, share: float) -> Colour:
     """Return `colour` mixed with a share in [0, 1] of `other`."""
     red, green, blue = (round((1 - share) * a + share * b) for a, b in zip(colour, other, strict=True))
     return red, green, blue
+
+
+def picture_colours(types: Iterable[str]) -> list[Colour]:
+    """Return the colours of which pictures with these types are made: plain, pale, under the lidar and along edges."""
+    colours = [INK, MUTED, FAINT, PAPER, FLOOR, UNSEEN, TRUTH, BELIEF, GOAL, LIDAR, LINK]
+    for ground in (PAPER, FLOOR, UNSEEN, *map(type_colour, types)):
+        colours += [ground, blend(ground, LIDAR, LIDAR_SHARE), blend(ground, INK, 0.35), blend(ground, INK, 0.7)]
+        colours += [blend(ground, PAPER, 0.25), blend(ground, PAPER, 0.5)]
+    return list(dict.fromkeys(colours))
 
 
 @cache

@@ -19,7 +19,19 @@ from regionslam_env.rendering.layers import (
     draw_world,
 )
 from regionslam_env.rendering.legend import draw_legend, legend_height
-from regionslam_env.rendering.palette import BELIEF, FAINT, FLOOR, INK, MUTED, PAPER, TRUTH, UNSEEN, font
+from regionslam_env.rendering.palette import (
+    BELIEF,
+    FAINT,
+    FLOOR,
+    INK,
+    MUTED,
+    PAPER,
+    TRUTH,
+    UNSEEN,
+    Colour,
+    font,
+    picture_colours,
+)
 from regionslam_env.rendering.panel import Panel, Viewport
 from regionslam_env.rendering.shapes import Shape, shapes_of_world
 from regionslam_env.worlds.world import World
@@ -118,6 +130,11 @@ class Renderer:
         foot = legend_height(width - 2 * MARGIN, self._legend_types)
         self.size = (width, self._caption_y + CAPTION + foot + MARGIN // 2)
         self._background = self._draw_background()
+
+    @property
+    def colours(self) -> list[Colour]:
+        """Colours of its pictures, for the palette of a `GifWriter`."""
+        return picture_colours(self._legend_types)
 
     def frame(self, snapshot: Snapshot) -> NDArray[np.uint8]:
         """Return the picture as an array of shape (height, width, 3)."""

@@ -92,7 +92,7 @@ def shapes_of_world(world: World) -> list[Shape]:
 
 
 def shapes_of_map(regions: Iterable[RegionFeature]) -> list[Shape]:
-    """Return the credible regions of a `RegionMap`; labelled as it names them, or with their types if it is a plain list."""
+    """Return the credible regions of a `RegionMap`, labelled as it names them (those of a plain list: their types)."""
     name = getattr(regions, "name", lambda region: region.type)
     drawn = [r for r in regions if r.credible and _sigmoid(r.existence) >= CREDIBLE_EXISTENCE]
     parents = {child: r.id for r in drawn for child, log_odds in r.children.items() if log_odds > 0}
