@@ -19,6 +19,9 @@ from slam.rows import MAX_RECTANGLES, Floats, Row
 MAX_LINES = 20
 """Most lines of cells along an axis."""
 
+MAX_CORNERS = 200
+"""Corners of a polygon above this number are smoothed away."""
+
 GAIN = 0.01
 """IoU that a further rectangle must bring to be worth it."""
 
@@ -48,6 +51,7 @@ def annotate(
     if polygon.is_empty or not polygon.is_valid or not np.isfinite(polygon.bounds).all() or polygon.area <= 0:
         reason = "empty" if polygon.is_empty else shapely.is_valid_reason(polygon)
         raise WorldError(f"polygon: expected a simple polygon with an area, got {reason}")
+    polygon = _simpler(polygon)
     best: tuple[float, float, Row] | None = None
     for heading in side_directions(polygon) if directions is None else directions:
         for count, iou, row in _rows_along(polygon, heading, most):
@@ -56,6 +60,16 @@ def annotate(
                 best = (score, iou, row)
     assert best is not None
     return best[2], best[1]
+
+
+def _simpler(polygon: shapely.Polygon) -> shapely.Polygon:
+    """Return a polygon of at most `MAX_CORNERS` corners, as near to the given one as they allow."""
+    tolerance = float(np.sqrt(polygon.area)) / 1000
+    simpler = polygon
+    while shapely.get_num_coordinates(simpler) > MAX_CORNERS:
+        simpler = shapely.simplify(polygon, tolerance)
+        tolerance *= 2
+    return simpler
 
 
 def side_directions(polygon: shapely.Polygon, most: int = 4) -> list[float]:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from regionslam_env.worlds.world import WALL_RADIUS, World
-from slam.jit import Array, Record, njit
+from slam.jit import Array, njit
 from slam.rows import Floats
 
 CAP = 1.0
@@ -77,7 +77,7 @@ def polygon_distance(x: float, y: float, sides: Array, begin: int, end: int) -> 
 
 
 @njit
-def exact_clearance(x: float, y: float, shapes: Array, radius: float) -> float:
+def exact_clearance(x: float, y: float, shapes: Shapes, radius: float) -> float:
     """Return the clearance of a disc at a point; infinite in an empty world."""
     nearest = np.inf
     for k in range(len(shapes.walls)):
@@ -88,7 +88,7 @@ def exact_clearance(x: float, y: float, shapes: Array, radius: float) -> float:
 
 
 @njit
-def fill_clearance(x0: float, y0: float, step: float, out: Array, shapes: Array, radius: float) -> None:
+def fill_clearance(x0: float, y0: float, step: float, out: Array, shapes: Shapes, radius: float) -> None:
     """Lower every node of `out` to its clearance; each shape touches only the nodes near it."""
     reach = CAP + radius + WALL_RADIUS
     n_walls = len(shapes.walls)
@@ -112,7 +112,7 @@ def fill_clearance(x0: float, y0: float, step: float, out: Array, shapes: Array,
 
 
 @njit
-def clearance_at(grid: Record, x: float, y: float) -> float:
+def clearance_at(grid: Grid, x: float, y: float) -> float:
     """Return the clearance at a point, between grid nodes bilinear; -1 beyond the grid."""
     u, v = (x - grid.x0) / grid.step, (y - grid.y0) / grid.step
     i, j = int(np.floor(u)), int(np.floor(v))
@@ -124,7 +124,7 @@ def clearance_at(grid: Record, x: float, y: float) -> float:
 
 
 @njit
-def rolls_straight(grid: Record, x: float, y: float, to_x: float, to_y: float) -> bool:
+def rolls_straight(grid: Grid, x: float, y: float, to_x: float, to_y: float) -> bool:
     """Return whether the disc can move straight between two points, in strides of the clearance found on the way."""
     length = np.hypot(to_x - x, to_y - y)
     done = 0.0

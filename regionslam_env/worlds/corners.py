@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from regionslam_env.worlds.clearance import Grid, exact_clearance, rolls_straight, shapes_of
 from regionslam_env.worlds.heap import drop_first, lower
 from regionslam_env.worlds.world import WALL_RADIUS, World
-from slam.jit import Array, Record, njit
+from slam.jit import Array, njit
 from slam.rows import Floats
 
 SIDES = 12
@@ -44,7 +44,7 @@ def corners_of(world: World, grid: Grid, radius: float) -> Corners:
     centres, reach = np.repeat(centres, SIDES, axis=0), np.repeat(reach, SIDES)
     points = centres + np.tile(circle, (len(centres) // SIDES, 1)) * (reach / np.cos(np.pi / SIDES))[:, None]
     shapes = shapes_of(world)
-    free = np.array([exact_clearance(x, y, shapes, radius) > -1e-9 for x, y in points], dtype=bool)
+    free = np.array([exact_clearance(x, y, shapes, radius) > -1e-9 for x, y in points], dtype=np.bool_)
     points, centres = points[free], centres[free]
     capacity = 64 * len(points) + 64
     while True:
@@ -61,7 +61,7 @@ def corners_of(world: World, grid: Grid, radius: float) -> Corners:
 
 
 @njit
-def _seeing_pairs(points: Array, centres: Array, grid: Record, pairs: Array) -> int:
+def _seeing_pairs(points: Array, centres: Array, grid: Grid, pairs: Array) -> int:
     """Write the pairs that see each other along a taut line; returns their number, also where `pairs` is too small."""
     count = 0
     for i in range(len(points)):
@@ -82,7 +82,7 @@ def _seeing_pairs(points: Array, centres: Array, grid: Record, pairs: Array) -> 
 
 
 @njit
-def relax_corners(corners: Record, distance: Array, towards: Array, heap: Array, place: Array) -> None:
+def relax_corners(corners: Corners, distance: Array, towards: Array, heap: Array, place: Array) -> None:
     """Lower the distance of every corner to that through its neighbours (Dijkstra 1959).
 
     Parameters

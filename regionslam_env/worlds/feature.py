@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import shapely
+from shapely.geometry.polygon import orient
 
 from regionslam_env.errors import WorldError, unknown
 from regionslam_env.worlds.annotate import annotate
@@ -110,7 +110,7 @@ class Feature:
             )
         if polygon.buffer(-SMALLEST / 2).is_empty:
             raise self.error("geometry.coordinates", f"area {polygon.area:.3g} m²", f"a width above {SMALLEST} m")
-        return shapely.orient_polygons(polygon)
+        return orient(polygon)
 
     def convex(self) -> Floats:
         """Return the corners of a convex polygon, counter-clockwise, shape (k, 2), m."""
@@ -161,7 +161,7 @@ class Feature:
     def _number(self, field: str, value: Any) -> float:
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise self.error(field, value, "a number")
-        if not math.isfinite(value) or abs(value) > FARTHEST:
+        if not abs(value) <= FARTHEST:  # NaN is neither
             raise self.error(field, value, f"a finite number of at most {FARTHEST:g}")
         return float(value)
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from regionslam_env.worlds.clearance import Grid, rolls_straight
 from regionslam_env.worlds.heap import drop_first, lower
-from slam.jit import Array, Record, njit
+from slam.jit import Array, njit
 from slam.rows import Floats
 
 
@@ -37,7 +37,7 @@ def foot(goal: Array, x: float, y: float) -> tuple[float, float, float]:
 
 
 @njit
-def see_goals(grid: Record, points: Array, goals: Array, distance: Array) -> None:
+def see_goals(grid: Grid, points: Array, goals: Array, distance: Array) -> None:
     """Lower the distance of every corner that sees its nearest point of a goal rectangle."""
     for v in range(len(points)):
         for g in range(len(goals)):
@@ -47,7 +47,7 @@ def see_goals(grid: Record, points: Array, goals: Array, distance: Array) -> Non
 
 
 @njit
-def through_root(roots: Record, root: int, x: float, y: float) -> tuple[float, float, float]:
+def through_root(roots: Roots, root: int, x: float, y: float) -> tuple[float, float, float]:
     """Return the distance from (x, y) to the goal through a root, and the end of the straight piece."""
     corners = len(roots.points)
     if root < corners:
@@ -58,7 +58,7 @@ def through_root(roots: Record, root: int, x: float, y: float) -> tuple[float, f
 
 
 @njit
-def improve(roots: Record, node: int, root: int, failed: Array, stack: Array) -> bool:
+def improve(roots: Roots, node: int, root: int, failed: Array, stack: Array) -> bool:
     """Give a node this root, or one behind it, if that is shorter and its straight piece free; returns whether it was.
 
     A node that cannot see the root stands in the shadow of a corner whose own way leads through that root; often the
@@ -94,7 +94,7 @@ def improve(roots: Record, node: int, root: int, failed: Array, stack: Array) ->
 
 
 @njit
-def flood(roots: Record, heap: Array, place: Array, failed: Array, stack: Array) -> None:
+def flood(roots: Roots, heap: Array, place: Array, failed: Array, stack: Array) -> None:
     """Fill `root` and `value` outwards from the goals and the corners, nearest nodes first.
 
     Parameters
@@ -125,7 +125,7 @@ def flood(roots: Record, heap: Array, place: Array, failed: Array, stack: Array)
 
 
 @njit
-def extent(roots: Record, root: int) -> tuple[float, float, float, float]:
+def extent(roots: Roots, root: int) -> tuple[float, float, float, float]:
     """Return the box (lowest x, y, highest x, y) of a root: a point, or a rectangle of the goal."""
     corners = len(roots.points)
     if root < corners:
@@ -139,7 +139,7 @@ def extent(roots: Record, root: int) -> tuple[float, float, float, float]:
 
 
 @njit
-def query(roots: Record, x: float, y: float) -> tuple[float, int]:
+def query(roots: Roots, x: float, y: float) -> tuple[float, int]:
     """Return the distance from a point to the goal and its root (-1 if unreachable).
 
     The point takes the best root of the nodes around it. Where all of them are blocked (it touches a wall), the nearest

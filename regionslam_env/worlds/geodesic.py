@@ -124,7 +124,7 @@ class Geodesic:
         at_least: float = 0.0,
         at_most: float = np.inf,
         margin: float = 0.1,
-        regions: Iterable[int] | None = None,
+        regions: Iterable[int | str] | None = None,
     ) -> tuple[float, float]:
         """Draw a point uniformly from the free floor inside regions.
 
@@ -137,14 +137,15 @@ class Geodesic:
         margin
             Least distance from touching anything, m.
         regions
-            Indices of the regions to draw from; default: all but doors.
+            Indices or ids of the regions to draw from; default: all but doors.
 
         Raises
         ------
         WorldError
             Where there is no such point.
         """
-        mask = (self.grid.clearance >= margin) & self._inside(regions)
+        mask = self._floor if regions is None else self._cover(regions)
+        mask = mask & (self.grid.clearance >= margin)
         if field is not None:
             value = field.nodes
             mask &= np.isfinite(value) & (value >= at_least) & (value <= at_most)
@@ -158,9 +159,13 @@ class Geodesic:
             x, y = self.grid.x0 + i * STEP + dx, self.grid.y0 + j * STEP + dy
             if self.free(x, y, margin) and (field is None or at_least <= field.at(x, y) <= at_most):
                 break
-        else:
+        else:  # every try fell beside a node that is itself free
             x, y = self.grid.x0 + i * STEP, self.grid.y0 + j * STEP
         return float(x), float(y)
+
+    def floor(self, regions: Iterable[int | str]) -> NDArray[np.bool_]:
+        """Return the grid nodes inside some regions on which a disc touches nothing, (nx, ny)."""
+        return self._cover(regions) & (self.grid.clearance >= 0)
 
     def _index(self, goal: int | str) -> int:
         if isinstance(goal, str):
@@ -188,17 +193,11 @@ class Geodesic:
         flood(roots, np.empty(nodes, np.int64), np.full(nodes, -1), np.full(nodes, -1), np.empty(256, np.int64))
         return Field(indices, roots, towards)
 
-    def _inside(self, regions: Iterable[int] | None) -> NDArray[np.bool_]:
-        """Return the grid nodes inside some regions, (nx, ny)."""
-        if regions is None:
-            return self._floor
-        return self._cover(regions)
-
     @cached_property
     def _floor(self) -> NDArray[np.bool_]:
         return self._cover(i for i, region in enumerate(self.world.regions) if region.type != "door")
 
-    def _cover(self, regions: Iterable[int]) -> NDArray[np.bool_]:
+    def _cover(self, regions: Iterable[int | str]) -> NDArray[np.bool_]:
         grid = self.grid
         mask = np.zeros(grid.clearance.shape, dtype=bool)
         for index in regions:

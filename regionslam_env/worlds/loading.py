@@ -44,7 +44,11 @@ def load(world: str | Path | World, scale: float | None = None) -> World:
         return _builtin(name)
     path = Path(world)
     suffix = path.suffix.lower()
-    if not path.is_file():
+    try:
+        found = path.is_file()
+    except (OSError, ValueError):  # a name too long for any file
+        found = False
+    if not found:
         if suffix in SUFFIXES or len(path.parts) > 1:
             raise WorldError(f"{path}: no such file, expected a world file ({', '.join(SUFFIXES)}) or a built-in name")
         raise WorldError(unknown("world", name, builtin_names()))

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
+from shapely.geometry.polygon import orient
 
 from regionslam_env.errors import WorldError, unknown
 from regionslam_env.worlds.alignment import align
@@ -83,7 +84,7 @@ def wall_outline(row: Row, polygon: shapely.Polygon) -> Floats:
     beyond, missing = (_thick(a.difference(b)) for a, b in ((shape, polygon), (polygon, shape)))
     corrected = _largest(shape.difference(beyond).union(missing))
     outline = shapely.simplify(shapely.Polygon(corrected.exterior), 0.02)
-    return np.asarray(shapely.get_coordinates(shapely.orient_polygons(outline).exterior)[:-1])
+    return np.asarray(shapely.get_coordinates(orient(outline).exterior)[:-1])
 
 
 def _thick(shape: shapely.Geometry) -> shapely.Geometry:
@@ -120,7 +121,7 @@ def _annotated(polygon: shapely.Polygon, heading: float) -> Row:
 
 def _without_overlaps(spaces: Sequence[Space]) -> list[Space]:
     """Take what a smaller space covers out of the larger one, where that leaves one piece without a hole."""
-    polygons = [shapely.orient_polygons(_largest(shapely.make_valid(s.polygon))) for s in spaces]
+    polygons = [orient(_largest(shapely.make_valid(s.polygon))) for s in spaces]
     order = np.argsort([-p.area for p in polygons], kind="stable")
     for position, i in enumerate(order):
         for j in order[position + 1 :]:
@@ -128,7 +129,7 @@ def _without_overlaps(spaces: Sequence[Space]) -> list[Space]:
                 continue
             rest = _largest(polygons[i].difference(polygons[j]))
             if not rest.is_empty and not rest.interiors and rest.area > 0.5 * polygons[i].area:
-                polygons[i] = shapely.orient_polygons(rest)
+                polygons[i] = orient(rest)
     return [replace(s, polygon=p) for s, p in zip(spaces, polygons, strict=True)]
 
 
