@@ -7,7 +7,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    ProgressColumn,
+    SpinnerColumn,
+    TextColumn,
+    TimeElapsedColumn,
+)
 from rich.table import Table
 
 from agents.console import DONE, FAILED, Commands, InputError, console, print_json, status_console
@@ -168,15 +176,12 @@ class _Teller:
 
     def __init__(self, mission: str) -> None:
         self._out = console()
-        self._progress = Progress(
-            SpinnerColumn(), TextColumn("{task.description}"), console=status_console(), transient=True
-        )
+        self._progress = _progress(SpinnerColumn(), TextColumn("{task.description}"))
         self._task = self._progress.add_task(mission, total=None)
         self._said = ("", "")
 
     def __enter__(self) -> _Teller:
-        if self._progress.console.is_terminal:
-            self._progress.start()
+        self._progress.start()
         return self
 
     def __exit__(self, *error: object) -> None:
@@ -225,9 +230,14 @@ def _environment_lines(result: dict[str, Any]) -> list[str]:
     ]
 
 
+def _progress(*columns: ProgressColumn) -> Progress:
+    """Return a progress display on standard error that vanishes when done and is silent where nobody watches."""
+    target = status_console()
+    return Progress(*columns, console=target, transient=True, disable=not target.is_terminal)
+
+
 def _bar() -> Progress:
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
-    return Progress(*columns, console=status_console(), transient=True)
+    return _progress(TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
 
 
 def _given(**options: Any) -> dict[str, Any]:

@@ -90,10 +90,10 @@ def run_mission(settings: RunSettings, tell: Callable[[Moment], None] = lambda m
     began = time.perf_counter()
     world = load(settings.world)
     env = make_environment(settings, world)
-    if settings.out is not None:
-        settings.out.mkdir(parents=True, exist_ok=True)
     try:
         observation, _ = env.reset(seed=settings.seed)
+        if settings.out is not None:
+            settings.out.mkdir(parents=True, exist_ok=True)
         base: Any = env.unwrapped
         agent = scripted_agent(base)
         recorder = Recorder(base, settings.mission) if settings.out is not None else None

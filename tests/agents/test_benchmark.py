@@ -1,0 +1,26 @@
+from __future__ import annotations
+
+import time
+
+import numpy as np
+import pytest
+
+from agents.benchmark import PARTS, benchmark_environment, benchmark_filter, timed
+
+
+def test_the_environment_is_timed_by_part():
+    result = benchmark_environment(steps=200, repeats=2, max_steps=60)
+    assert result["steps"] == 200 and result["steps_per_second"] > 0 and result["reset_ms"] > 0
+    parts = result["microseconds"]
+    assert set(parts) == {*PARTS, "other", "total"} and all(parts[part] > 0 for part in PARTS)
+    assert sum(v for k, v in parts.items() if k != "total") == pytest.approx(parts["total"])
+
+
+def test_the_filter_is_timed_on_a_map_of_the_size_asked_for():
+    result = benchmark_filter(measurements=4, regions=9, steps=20, repeats=2)
+    assert result["filter_us"] > 0 and result["regions"] == 9
+
+
+def test_every_repeat_is_timed_and_at_least_one_counts_as_quiet():
+    durations, quiet = timed(lambda: time.sleep(0.002), 3)
+    assert len(durations) == 3 and np.all(durations >= 0.002) and quiet.any()

@@ -1,0 +1,151 @@
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from PIL import Image
+from typer.testing import CliRunner
+
+from agents import cli
+from agents.cli import app
+from agents.run import SUMMARY_KEYS
+
+START_IN_A_LINE = ("run", "go to the hallway", "--seed", "3")
+
+
+def invoke(*args: object):
+    return CliRunner().invoke(app, [str(a) for a in args])
+
+
+def last_json(result) -> dict:
+    return json.loads(result.stdout.rstrip("\n").split("\n")[-1])
+
+
+@pytest.fixture(scope="module")
+def mission(tmp_path_factory) -> tuple[Path, object]:
+    out = tmp_path_factory.mktemp("out") / "new" / "folder"
+    return out, invoke(*START_IN_A_LINE, "--out", out, "--json")
+
+
+def test_a_mission_ends_with_success(mission):
+    _, result = mission
+    assert result.exit_code == 0, result.output
+    assert "I am in" in result.stdout and "Done" in result.stdout
+
+
+def test_the_summary_is_the_last_line_and_a_file(mission):
+    out, result = mission
+    summary = last_json(result)
+    assert tuple(summary) == SUMMARY_KEYS
+    assert json.loads((out / "summary.json").read_text()) == summary
+    assert summary["success"] is True and summary["false_arrival"] is False
+    assert summary["mission"] == "go to the hallway" and summary["world"] == "institute" and summary["seed"] == 3
+    assert 0 < summary["spl"] <= 1 and summary["path_length"] >= 2 and 0 <= summary["ape_end"] <= summary["ape_max"]
+
+
+def test_every_output_is_complete(mission):
+    out, _ = mission
+    assert sorted(p.name for p in out.iterdir()) == ["map.geojson", "map.png", "mission.gif", "summary.json"]
+    with Image.open(out / "mission.gif") as gif:
+        assert gif.n_frames > 3
+    with Image.open(out / "map.png") as picture:
+        picture.load()
+    features = json.loads((out / "map.geojson").read_text())["features"]
+    assert any(f["properties"]["type"] == "hallway" for f in features)
+
+
+def test_the_same_command_gives_the_same_summary(mission):
+    _, result = mission
+    first, second = last_json(result), last_json(invoke(*START_IN_A_LINE, "--json"))
+    del first["wall_seconds"], second["wall_seconds"]
+    assert json.dumps(first) == json.dumps(second)
+
+
+def test_a_failed_mission_has_exit_code_1(monkeypatch):
+    monkeypatch.setattr("agents.run.MAX_STEPS", 3)
+    result = invoke("run", "go to the kitchen", "--start-distance", 20, "--json")
+    assert result.exit_code == 1
+    summary = last_json(result)
+    assert summary["success"] is False and summary["false_arrival"] is False and summary["steps"] == 3
+    assert "never arrived" in result.stdout
+
+
+@pytest.mark.parametrize(
+    ("args", "words"),
+    [
+        (("run", "go to the kitchn"), ("kitchn", "kitchen")),
+        (("run", "make me a sandwich"), ("sandwich", "go to the")),
+        (("run", "go to the kitchen", "--world", "institut"), ("institut", "institute")),
+        (("run", "go to the kitchen", "--world", "no/such.geojson"), ("no/such.geojson",)),
+        (("run", "go to the kitchen", "--noise", "standart"), ("standart", "standard")),
+        (("run", "go to the kitchen", "--localization", "slamm"), ("slamm", "slam")),
+        (("run", "go to the kitchen", "--start-distance", "9999"), ("9999",)),
+        (("run", "go to the kitchen", "--start-distance", "nan"), ("start-distance",)),
+        (("run", "go to the kitchen", "--seed", "-1"), ("seed",)),
+        (("evaluate", "scriptet"), ("scriptet", "scripted")),
+        (("evaluate", "no/such.zip"), ("no/such.zip",)),
+        (("evaluate", "random", "--env", "RegionSLAM/GoTo-v1"), ("GoTo-v1", "RegionSLAM/GoTo-v0")),
+        (("evaluate", "random", "--goal", "kitchn"), ("kitchn", "kitchen")),
+        (("train", "--env", "CartPole-v1"), ("CartPole-v1", "RegionSLAM/GoTo-v0")),
+        (("benchmark", "envs"), ("envs", "'env'")),
+        (("world", "show", "institut"), ("institut", "institute")),
+        (("world", "lst"), ("lst", "list")),
+        (("world", "import", "no.xml"), ("no.xml",)),
+    ],
+)
+def test_bad_input_is_one_line_with_the_nearest_names(args, words, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    result = invoke(*args, *(("--out", tmp_path / "out") if args[0] == "run" else ()))
+    assert result.exit_code == 2, result.output
+    assert result.stderr.startswith("error: ") and result.stderr.count("\n") == 1, result.stderr
+    assert all(word in result.stderr for word in words), result.stderr
+    assert list(tmp_path.rglob("*.*")) == []  # nothing has been written
+
+
+@pytest.mark.parametrize("content", [b"", b"{", b'{"type": "FeatureCollection"}', b"\xff\xfe\x00", b"[" * 5000])
+@pytest.mark.parametrize("command", [("world", "validate"), ("run", "go to the kitchen", "--world")])
+def test_a_broken_world_file_is_named(command, content, tmp_path):
+    file = tmp_path / "broken.geojson"
+    file.write_bytes(content)
+    result = invoke(*command, file)
+    assert result.exit_code == 2 and result.stderr.count("\n") == 1
+    assert "broken.geojson" in result.stderr
+
+
+def test_an_output_folder_that_is_a_file(tmp_path):
+    (tmp_path / "out").write_text("")
+    result = invoke("run", "go to the kitchen", "--out", tmp_path / "out")
+    assert result.exit_code == 2 and "expected a folder" in result.stderr
+
+
+def test_worlds_are_listed_and_shown(tmp_path):
+    worlds = last_json(invoke("world", "list", "--json"))["worlds"]
+    assert "institute" in [w["name"] for w in worlds]
+    result = invoke("world", "show", "institute", "--out", tmp_path / "floor.png", "--json")
+    assert result.exit_code == 0 and last_json(result)["types"]["kitchen"] == 1
+    with Image.open(tmp_path / "floor.png") as picture:
+        assert picture.size[0] == 1280
+
+
+def test_a_world_survives_import_and_validation(tmp_path):
+    from regionslam_env.worlds.format import save_world
+    from regionslam_env.worlds.loading import load
+
+    original, copy = tmp_path / "a.geojson", tmp_path / "b.geojson"
+    save_world(load("institute"), original)
+    imported = last_json(invoke("world", "import", original, copy, "--json"))
+    assert imported["regions"] == len(load("institute").regions)
+    valid = last_json(invoke("world", "validate", copy, "--json"))
+    assert valid["valid"] is True and valid["unreachable"] == []
+
+
+def test_help_needs_no_environment():
+    result = invoke("--help")
+    assert result.exit_code == 0
+    for command in ("run", "evaluate", "train", "benchmark", "world"):
+        assert command in result.stdout
+
+
+def test_the_console_script_is_the_command_line():
+    assert callable(cli.main)
