@@ -92,9 +92,9 @@ def inside_type(particles: NDArray[np.void], maps: NDArray[np.void], region_type
     total = 0.0
     for q in range(len(particles)):
         for place in range(particles[q].n_slots):
-            region = maps[q, place]
-            if region.n > 0 and region.type == region_type and region.rival < 0 and region.sightings >= confirmed_after:
-                if contains(region, particles[q].expected[0], particles[q].expected[1], 0.0):
-                    total += np.exp(particles[q].log_weight)
-                    break
+            region, pose = maps[q, place], particles[q].expected
+            credible = region.n > 0 and region.rival < 0 and region.sightings >= confirmed_after
+            if credible and region.type == region_type and contains(region, pose[0], pose[1], 0.0):
+                total += np.exp(particles[q].log_weight)
+                break
     return total

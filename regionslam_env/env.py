@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 import gymnasium
 import numpy as np
+from gymnasium import spaces
 from gymnasium.error import ResetNeeded
 from numpy.typing import ArrayLike, NDArray
 
@@ -23,9 +23,10 @@ from regionslam_env.sensors.lidar import Lidar
 from regionslam_env.sensors.odometry import OdometrySensor
 from regionslam_env.sensors.region_sensor import RegionSensor
 from regionslam_env.simulation.physics import Simulation
-from regionslam_env.tasks.metrics import MAP_METRICS, EpisodeFacts, PoseErrors, episode_metrics
+from regionslam_env.tasks.episode import Episode
+from regionslam_env.tasks.metrics import MAP_METRICS
 from regionslam_env.tasks.rewards import RewardConfig, goto_reward, reward_set
-from regionslam_env.tasks.task import MIN_START_DISTANCE, GoToMission, GoToTask
+from regionslam_env.tasks.task import MIN_START_DISTANCE, GoToTask
 from regionslam_env.worlds.geodesic import Geodesic
 from regionslam_env.worlds.loading import load
 from regionslam_env.worlds.world import World
@@ -51,20 +52,21 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
     ## Description
 
-    A round robot with two driven wheels stands somewhere on an annotated floor and is told what kind of place to go to. It
-    never learns where it is: its odometry drifts, and a region-based FastSLAM 2.0 filter (Oberländer et al. 2008) turns noisy
-    and partial observations of rooms, hallways, doors and furniture into a belief about pose and semantic map. That belief
-    is the observation. Success is judged on the truth.
+    A round robot with two driven wheels stands somewhere on an annotated floor and is told what kind of place to go
+    to. It never learns where it is: its odometry drifts, and a region-based FastSLAM 2.0 filter (Oberländer et al.
+    2008) turns noisy and partial measurements of rooms, hallways, doors and furniture into a belief about pose and
+    semantic map. That belief is the observation. Success is judged on the truth.
 
     ## Action Space
 
-    `Box(-1, 1, (2,), float32)`: forward speed and turn rate, as shares of the robot's largest (1 m/s and 2 rad/s). With
-    `arrival="declare"` it is `Box(-1, 1, (3,), float32)`, and a third component above 0 declares that the robot has arrived.
+    `Box(-1, 1, (2,), float32)`: forward speed and turn rate, as shares of the robot's largest (1 m/s and 2 rad/s).
+    With `arrival="declare"` it is `Box(-1, 1, (3,), float32)`, and a third component above 0 declares that the robot
+    has arrived.
 
     ## Observation Space
 
-    A `Dict`; lengths are clipped to 1000 m, and S = 32 (`max_regions`), T = 18 (`semantic_types`). Tables are
-    flattened row by row; `regionslam_env.region_table` and `link_table` give back the rows, `RegionColumn` and `LinkColumn` name
+    A `Dict`; lengths are clipped to 1000 m, and S = 32 (`max_regions`), T = 18 (`semantic_types`). Tables are flattened
+    row by row; `regionslam_env.region_table` and `link_table` give back the rows, `RegionColumn` and `LinkColumn` name
     the columns.
 
     | Key | Space | Shape | Content |
@@ -73,9 +75,9 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     | pose_cov | Box | (9,) | covariance of x, y (m), heading (rad), row by row |
     | velocity | Box | (2,) | forward speed (m/s) and turn rate (rad/s) by odometry |
     | regions | Box | (1408,) | S rows of 26 + T: geometry in the robot's frame, open edges, probabilities |
-    | regions_mask | MultiBinary | (32,) | which of the S rows hold a region; a region keeps its row until it is evicted |
-    | links | Box | (512,) | 4 S rows, strongest first: slot, slot, probability, kind (0 passage, 1 second inside first) |
-    | links_mask | MultiBinary | (128,) | which of the rows hold a link |
+    | regions_mask | MultiBinary | (32,) | which rows hold a region; a region keeps its row until it is evicted |
+    | links | Box | (512,) | 4 S rows, strongest first: row, row, probability, kind (0 passage, 1 second in first) |
+    | links_mask | MultiBinary | (128,) | which rows hold a link |
     | lidar | Box | (180,) | distance (m) along rays all around, counter-clockwise from straight back |
     | goal | Box | (18,) | one-hot over the T semantic types |
     | progress | Box | (2,) | share of the episode's steps that has passed, share of the mission that is done |
@@ -94,9 +96,9 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
     ## Starting State
 
-    At rest, anywhere with a free way of at least `start_distance` to the nearest goal region, in any direction. The goal is a
-    drawn type of room, unless it is given. `reset(options={"goal": "kitchen", "start": (x, y, theta)})` sets either for one
-    episode (world frame, m and rad).
+    At rest, anywhere with a free way of at least `start_distance` to the nearest goal region, in any direction. The
+    goal is a drawn type of room, unless it is given. `reset(options={"goal": "kitchen", "start": (x, y, theta)})` sets
+    either for one episode (world frame, m and rad).
 
     ## Episode End
 
@@ -116,7 +118,7 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     | arrival | "stay" | "stay" or "declare" |
     | goal | None | semantic type to go to in every episode; None draws one |
     | start_distance | 2.0 | least geodesic distance of the start from every goal region, m |
-    | max_steps | 1000 | steps of 0.1 s until truncation |
+    | max_steps | 1000 | steps of 0.1 s until truncation (`max_episode_steps` would end it without metrics) |
     | n_particles | 4 | particles of the filter |
     | sensor_range | 8.0 | range of the region sensor, m |
     | occlusion | True | whether walls hide regions |
@@ -134,7 +136,10 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     * v0: first version.
     """
 
-    metadata: ClassVar[dict[str, Any]] = {"render_modes": ["rgb_array", "ansi"], "render_fps": 10}
+    metadata = {  # noqa: RUF012 - declared by Gymnasium as it is
+        "render_modes": ["rgb_array", "ansi"],
+        "render_fps": 10,
+    }
 
     def __init__(
         self,
@@ -191,9 +196,9 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         self._observer = Observer(
             self.semantic_types, n_slots, self.robot, self.sensors.n_lidar_rays, self.sensors.lidar_range
         )
-        self.observation_space = self._observer.space
-        self.action_space = action_space(self.arrival)
-        self._n_actions = self.action_space.shape[0]
+        self.observation_space: spaces.Dict = self._observer.space  # type: ignore[assignment]
+        self.action_space: spaces.Box = action_space(self.arrival)  # type: ignore[assignment]
+        self._n_actions = len(self.action_space.low)
         self._running = False
         self._renderer: Renderer | None = None
 
@@ -222,16 +227,14 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         self._region_sensor.reset(region_rng)
         self._localizer.reset(filter_rng)
         self._observer.reset(self.mission.goal)
-        self._map_frame = (*self.mission.start, math.cos(self.mission.start[2]), math.sin(self.mission.start[2]))
-        self._pose_errors = PoseErrors()
-        self._steps, self._collisions, self._collided, self._believed_path = 0, 0, False, 0.0
-        limit = self.spec.max_episode_steps if self.spec is not None else None
-        self._limit = min(self.max_steps, limit or self.max_steps)
+        self._episode = Episode(self.mission)
         self._running = True
         self._true_path: list[Floats] = []
         self._path: list[Floats] = []
         self._renderer = None
-        observation = self._sense(Odometry(0.0), self.simulation.pose, 0.0)
+        standing, pose = Odometry(0.0), self.simulation.pose
+        self._perceive(standing, pose, self._episode.in_map(pose))
+        observation = self._observe(standing, 0.0)
         info: Info = {"mission": self.mission_text}
         if self.reveal_truth:
             info["truth"] = self._truth()
@@ -249,24 +252,21 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         """
         if not self._running:
             raise ResetNeeded("there is no running episode: call env.reset() first")
+        episode = self._episode
         forward, turn, declared = read_action(action, self._n_actions)
         before = self.simulation.pose
         self.simulation.step(forward * self.robot.max_speed, turn * self.robot.max_turn_rate)
         pose, collided = self.simulation.pose, self.simulation.collided
-        self._steps += 1
-        self._collisions += collided and not self._collided
-        self._collided = collided
-
         odometry = self._odometry_sensor.measure(before, pose)
-        self._believed_path += math.hypot(odometry.distance, odometry.lateral)
         outcome = self.task.judge(float(pose[0]), float(pose[1]), declared)
-        observation = self._sense(odometry, pose, float(outcome.success))
-        belief = self._localizer.belief
-        self._pose_errors.add(self._in_map(pose), belief.pose_mean, belief.pose_cov)
+        true_pose = episode.in_map(pose)
+        belief = self._perceive(odometry, pose, true_pose)
+        episode.add(odometry, collided, true_pose, belief.pose_mean, belief.pose_cov)
+        observation = self._observe(odometry, float(outcome.success))
         terms = goto_reward(self.reward, outcome.progress, outcome.success, collided, outcome.false_arrival)
 
         terminated = outcome.success or outcome.false_arrival
-        truncated = not terminated and self._steps >= self._limit
+        truncated = not terminated and episode.steps >= self.max_steps
         info: Info = {"reward_terms": terms}
         if self.reveal_truth:
             info["truth"] = self._truth()
@@ -275,15 +275,18 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             info |= self._metrics(outcome.success, declared)
         return observation, sum(terms.values()), terminated, truncated, info
 
-    def _sense(self, odometry: Odometry, pose: Floats, done: float) -> Observation:
-        """Measure from a true pose, update the belief, and write the observation."""
+    def _perceive(self, odometry: Odometry, pose: Floats, true_pose: Floats) -> Belief:
+        """Measure from a true pose (world frame; `true_pose` in the map frame) and return the updated belief."""
         self.ranges = self._lidar.measure(pose)
-        scan = self._region_sensor.measure(pose)
-        belief = self._localizer.step(odometry, scan, self._in_map(pose))
+        belief = self._localizer.step(odometry, self._region_sensor.measure(pose), true_pose)
         if self.render_mode == "rgb_array":
             self._true_path.append(pose)
             self._path.append(belief.pose_mean)
-        return self._observer.observe(belief, odometry, self.ranges, self._steps / self._limit, done)
+        return belief
+
+    def _observe(self, odometry: Odometry, done: float) -> Observation:
+        elapsed = self._episode.steps / self.max_steps
+        return self._observer.observe(self._localizer.belief, odometry, self.ranges, elapsed, done)
 
     def render(self) -> Any:
         """Return the picture of this moment, (H, W, 3) uint8, or the robot's own words, by `render_mode`."""
@@ -324,8 +327,8 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     def _generators(self) -> list[np.random.Generator]:
         """Return the episode's own generators: of the mission, of every sensor, and of the filter.
 
-        Each is spawned from the episode's seed, so that none depends on how much another one draws: the rungs of the ladder and
-        the noise sets share world, mission and start.
+        Each is spawned from the episode's seed, so that none depends on how much another one draws: the rungs of the
+        ladder and the noise sets share world, mission and start.
         """
         seed = int(self.np_random.integers(2**63, dtype=np.uint64))
         sequence = np.random.SeedSequence([seed, SPLITS.index(self._split)])
@@ -340,30 +343,13 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             sensor_range=self.sensors.range,
         )
 
-    def _in_map(self, pose: Floats) -> Floats:
-        """Return a true pose relative to the start pose, which is the origin of the map frame."""
-        x, y, theta = pose.tolist()
-        x0, y0, theta0, c, s = self._map_frame
-        dx, dy = x - x0, y - y0
-        return np.array((c * dx + s * dy, c * dy - s * dx, math.remainder(theta - theta0, 2 * math.pi)))
-
     def _truth(self) -> Info:
         """Return what no agent may see: true poses (world frame and map frame) and distance to the goal, m."""
         pose = self.simulation.pose
-        return {"pose": pose, "pose_in_map": self._in_map(pose), "distance_to_goal": self.task.remaining}
+        return {"pose": pose, "pose_in_map": self._episode.in_map(pose), "distance_to_goal": self.task.remaining}
 
     def _metrics(self, success: bool, declared: bool) -> Info:
         """Return the metrics of the episode that ends here."""
-        facts = EpisodeFacts(
-            success=success,
-            declared=declared if self.task.declares else None,
-            believed=probability_in_type(self.belief, self.mission.goal),
-            shortest=self.mission.shortest,
-            remaining=self.task.remaining,
-            path_length=self.simulation.path_length,
-            believed_path_length=self._believed_path,
-            collisions=self._collisions,
-        )
         # What was in view less often than a region needs to be confirmed, the map cannot be asked for.
         seen = self._region_sensor.sightings >= self.belief.confirmed_after
         quality = map_quality(
@@ -374,7 +360,14 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             self.mission.start,
         )
         figures = {name: getattr(quality, name.removeprefix("region_")) for name in MAP_METRICS}
-        return episode_metrics(facts, self._pose_errors, figures)
+        return self._episode.metrics(
+            success,
+            declared if self.task.declares else None,
+            probability_in_type(self.belief, self.mission.goal),
+            self.task.remaining,
+            self.simulation.path_length,
+            figures,
+        )
 
     def _draw(self) -> NDArray[np.uint8]:
         """Draw truth and belief; what draws is imported here, so that nothing else needs it."""
@@ -400,7 +393,7 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             lidar=self.ranges,
             title=self.mission_text,
             caption=belief.map.describe(belief.pose_mean),
-            seconds=self._steps * self.robot.step,
+            seconds=self._episode.steps * self.robot.step,
             driven=self.simulation.path_length,
         )
         return self._renderer.frame(snapshot)

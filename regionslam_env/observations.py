@@ -195,7 +195,7 @@ class Observer:
         if len(belief.types) != len(self._type_columns):
             self._learn_types(belief.types)
         size = self._sizes
-        observation = {
+        observation: Observation = {
             "pose": np.empty(4, np.float32),
             "pose_cov": np.empty(9, np.float32),
             "velocity": np.empty(2, np.float32),
@@ -207,16 +207,39 @@ class Observer:
             "goal": np.zeros(size["goal"], np.float32),
             "progress": np.empty(2, np.float32),
         }
-        o = observation
         write_senses(
-            *(o["pose"], o["pose_cov"], o["velocity"], o["lidar"], o["goal"], o["progress"]),
-            *(belief.pose_mean, belief.pose_cov, ranges, self._limits),
-            *(odometry.distance, odometry.rotation, self._goal, elapsed, done),
+            observation["pose"],
+            observation["pose_cov"],
+            observation["velocity"],
+            observation["lidar"],
+            observation["goal"],
+            observation["progress"],
+            belief.pose_mean,
+            belief.pose_cov,
+            ranges,
+            self._limits,
+            odometry.distance,
+            odometry.rotation,
+            self._goal,
+            elapsed,
+            done,
         )
         slots.write_map(
-            *(o["regions"], o["regions_mask"], o["links"], o["links_mask"], self._ids, self._places),
-            *(belief.pose, belief.features, belief.links, belief.particles, belief.regions),
-            *(self._type_columns, len(self.types), self._goal, belief.confirmed_after),
+            observation["regions"],
+            observation["regions_mask"],
+            observation["links"],
+            observation["links_mask"],
+            self._ids,
+            self._places,
+            belief.pose,
+            belief.features,
+            belief.links,
+            belief.particles,
+            belief.regions,
+            self._type_columns,
+            len(self.types),
+            self._goal,
+            belief.confirmed_after,
         )
         return observation
 

@@ -76,7 +76,7 @@ def distance(region: Any, x: float, y: float) -> float:
 
 @njit
 def cost(regions: Records, links: Records, place: int, x: float, y: float, is_goal: bool) -> float:
-    """Return how dispensable a region is: its distance, a quarter for the goal's type, more for furniture and doubts."""
+    """Return how dispensable a region is: its distance, a quarter of it for the goal's type, more in doubt."""
     region = regions[place]
     result = (1.0 + distance(region, x, y)) * (2.0 - sigmoid(region.existence))
     if is_goal:
@@ -102,7 +102,7 @@ def assign(
 ) -> None:
     """Update `ids` and `places`: find what is there, take in what is new, evict what is most dispensable.
 
-    A region that is missing in this map keeps its slot, empty, as long as nobody needs it: another particle may know it.
+    A region that is missing in this map keeps its slot, empty, until somebody needs it: another particle may know it.
     """
     x, y = pose[0], pose[1]
     taken = np.zeros(len(regions), np.bool_)
@@ -121,7 +121,7 @@ def assign(
                 if costs[other] < 0:
                     is_goal = types[regions[places[other]].type] == goal
                     costs[other] = cost(regions, links, places[other], x, y, is_goal)
-            slot = np.argmax(costs)
+            slot = int(np.argmax(costs))
             if cost(regions, links, place, x, y, types[regions[place].type] == goal) > _STAYS * costs[slot]:
                 continue
         ids[slot], places[slot], costs[slot] = regions[place].id, place, -1.0
@@ -176,7 +176,12 @@ def write_region(row: Floats, region: Any, pose: NDArray[np.float64]) -> None:
 
 @njit
 def write_contains_me(
-    rows: Floats, ids: NDArray[np.int64], places: NDArray[np.int64], particles: Records, maps: Records, confirmed_after: int
+    rows: Floats,
+    ids: NDArray[np.int64],
+    places: NDArray[np.int64],
+    particles: Records,
+    maps: Records,
+    confirmed_after: int,
 ) -> None:
     """Write the probability, over the particles and their own maps, that the robot is inside each slot's region."""
     for q in range(len(particles)):
@@ -200,7 +205,7 @@ def size(value: float) -> float:
 def write_types(
     rows: Floats, slots: NDArray[np.int64], regions: Records, types: NDArray[np.int64], n_types: int
 ) -> None:
-    """Write the type probabilities of every slot: its own type, those of its rivals, and the rest evenly on the others."""
+    """Write the type probabilities of every slot: its own, those of its rivals, the rest evenly on all others."""
     for place in range(len(regions)):
         region = regions[place]
         if region.n > 0:
@@ -224,7 +229,12 @@ def write_types(
 
 @njit
 def write_links(
-    rows: Floats, mask: NDArray[np.int8], places: NDArray[np.int64], slots: NDArray[np.int64], regions: Records, links: Records
+    rows: Floats,
+    mask: NDArray[np.int8],
+    places: NDArray[np.int64],
+    slots: NDArray[np.int64],
+    regions: Records,
+    links: Records,
 ) -> None:
     """Write the links between slots, strongest first: first and second slot, probability, kind.
 
@@ -293,7 +303,8 @@ def write_map(
 ) -> None:
     """Write the heaviest particle's map into an observation's tables (zeros so far), after updating the slots.
 
-    `pose` is the particle's pose, `believed` its regions and `beliefs` its links; `types` maps the filter's types to columns.
+    `pose` is the particle's pose, `believed` its regions and `beliefs` its links; `types` maps the filter's types to
+    columns.
     """
     assign(ids, places, believed, beliefs, pose, types, goal, confirmed_after)
     rows = regions.reshape((len(ids), TYPES + n_types))

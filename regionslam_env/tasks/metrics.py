@@ -56,8 +56,8 @@ def spl(success: bool, shortest: float, path: float) -> float:
 def soft_spl(shortest: float, remaining: float, path: float) -> float:
     """Progress weighted by path length: ``max(0, 1 - remaining / shortest) * shortest / max(path, shortest)``.
 
-    The graded success of Datta et al. 2020 (arXiv:2009.03231). From a start inside the goal all of the (empty) way is done
-    if the robot is still inside, and none of it if not.
+    The graded success of Datta et al. 2020 (arXiv:2009.03231). From a start inside the goal all of the (empty) way is
+    done if the robot is still inside, and none of it if not.
 
     Parameters
     ----------
@@ -122,9 +122,9 @@ def episode_metrics(
 ) -> dict[str, float | int | bool | None]:
     """Return every metric of `METRICS`.
 
-    ``belief_success`` is the robot's own verdict: it believes (P > 0.5) that it is in a region of the goal type, and has
-    declared so where declarations exist. ``belief_spl`` weights that verdict by the path that odometry tells instead of the
-    true one; the shortest path stays the true one, which is how hard the mission was.
+    ``belief_success`` is the robot's own verdict: it believes (P > 0.5) that it is in a region of the goal type, and
+    has declared so where declarations exist. ``belief_spl`` weights that verdict by the path odometry tells instead
+    of the true one; the shortest path stays the true one, which is how hard the mission was.
     """
     belief_success = facts.believed > 0.5 and facts.declared is not False
     metrics: dict[str, float | int | bool | None] = {
@@ -159,8 +159,8 @@ class PoseErrors:
     def metrics(self) -> dict[str, float | None]:
         """Return ``ape_rmse``, ``ape_max``, ``ape_end`` (m) and ``pose_nees``; None before the first step.
 
-        ``pose_nees`` is the mean of ``e' C^-1 e`` over the steps with a positive definite covariance: 3 for a calibrated
-        belief (e is x, y and heading); None where the pose was never uncertain.
+        ``pose_nees`` is the mean of ``e' C^-1 e`` over the steps whose covariance is positive definite, e in x, y and
+        heading: 3 for a calibrated belief, None where the pose was never uncertain.
         """
         steps, squares, largest, last, nees, uncertain = self._sums.tolist()
         return {

@@ -195,8 +195,9 @@ class GoToTask:
             raise ConfigError(f"start is {start!r}, expected a pose (x, y, theta) in m, m, rad")
         x, y, theta = values
         if not self.geodesic.free(x, y):
+            radius = self.geodesic.radius
             raise ConfigError(
-                f"world {self.world.name!r}: start ({x:g}, {y:g}) is not free for a robot of {self.geodesic.radius:g} m radius"
+                f"world {self.world.name!r}: start ({x:g}, {y:g}) is not free for a robot of {radius:g} m radius"
             )
         return x, y, theta
 

@@ -29,5 +29,5 @@ def test_speeds_beyond_the_space_are_clipped():
 
 @pytest.mark.parametrize("action", [[0.0], [0.0, 0.0, 0.0], 0.5, [np.nan, 0.0], [0.0, np.inf], [[0.0, 0.0]]])
 def test_what_is_no_action_is_refused(action):
-    with pytest.raises((ValueError, TypeError), match="expected 2 finite numbers|must be real"):
+    with pytest.raises(ValueError, match="expected 2 finite numbers"):
         read_action(action, 2)

@@ -114,7 +114,7 @@ def test_a_start_in_the_goal_by_hand(make):
 def test_an_unreachable_goal_is_never_drawn_and_raises_by_hand():
     world = two_rooms(open_door=False)
     task = GoToTask(world, Geodesic(world, ROBOT), SEMANTIC_TYPES, 0.1)
-    with pytest.raises(ValueError, match="no way from .* to any 'kitchen'"):
+    with pytest.raises(ValueError, match=r"no way from .* to any 'kitchen'"):
         task.draw(rng(), "kitchen", (-2.0, 0.0, 0.0))
     with pytest.raises(ValueError, match="no free place is 2 m or more from every"):
         task.draw(rng())

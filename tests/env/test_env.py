@@ -1,0 +1,365 @@
+import inspect
+import pickle
+import re
+import subprocess
+import sys
+import warnings
+from itertools import pairwise
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.error import ResetNeeded
+from gymnasium.utils.env_checker import check_env
+
+from regionslam_env.config import SEMANTIC_TYPES
+from regionslam_env.env import SemanticNavigationEnv
+from regionslam_env.observations import RegionColumn, region_table
+from regionslam_env.registration import ENVIRONMENTS
+from regionslam_env.tasks.metrics import METRICS
+
+IDS = tuple(ENVIRONMENTS)
+
+
+def actions(env, n, seed=0):
+    """Return actions that mostly drive forward, none of which declares."""
+    rng = np.random.default_rng(seed)
+    drawn = rng.uniform(-1, 1, (n, env.action_space.shape[0])).astype(np.float32)
+    drawn[:, 0] = np.abs(drawn[:, 0])
+    if drawn.shape[1] == 3:
+        drawn[:, 2] = -1
+    return drawn
+
+
+def rollout(env, n, action_seed=0):
+    """Step on and return everything that came back."""
+    return [env.step(action) for action in actions(env, n, action_seed)]
+
+
+def equal(a, b):
+    """Whether two results are bit-identical, whatever they are made of."""
+    if isinstance(a, dict):
+        return a.keys() == b.keys() and all(equal(a[key], b[key]) for key in a)
+    if isinstance(a, list | tuple):
+        return len(a) == len(b) and all(map(equal, a, b))
+    if isinstance(a, np.ndarray):
+        return a.dtype == b.dtype and np.array_equal(a, b)
+    return type(a) is type(b) and a == b
+
+
+@pytest.fixture(scope="module")
+def env():
+    return SemanticNavigationEnv()
+
+
+def free_pose(env, seed=0):
+    """Return the start of a drawn mission."""
+    env.reset(seed=seed)
+    return env.mission.start
+
+
+@pytest.mark.parametrize("env_id", IDS)
+def test_gymnasium_has_nothing_to_complain_about(env_id):
+    env = gymnasium.make(env_id, max_steps=50).unwrapped
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        check_env(env)
+
+
+@pytest.mark.parametrize("env_id", IDS)
+def test_stable_baselines_has_nothing_to_complain_about(env_id):
+    checker = pytest.importorskip("stable_baselines3.common.env_checker")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        checker.check_env(gymnasium.make(env_id, max_steps=50).unwrapped)
+
+
+@pytest.mark.parametrize("env_id", IDS)
+def test_the_spec_is_plain_data(env_id):
+    spec = gymnasium.make(env_id, noise={"lidar_sigma": 0.1}).spec
+    assert gymnasium.envs.registration.EnvSpec.from_json(spec.to_json()).kwargs == spec.kwargs
+
+
+@pytest.mark.parametrize("localization", ["slam", "oracle", "odometry"])
+def test_same_seed_and_actions_give_identical_everything(env, localization):
+    other = SemanticNavigationEnv(localization=localization)
+    env = SemanticNavigationEnv(localization=localization)
+    for episode_seed in (3, None):  # also the next episode, which goes on without a seed
+        assert equal(env.reset(seed=episode_seed), other.reset(seed=episode_seed))
+        assert equal(rollout(env, 60), rollout(other, 60))
+
+
+def test_an_episode_does_not_depend_on_the_one_before(env):
+    env.reset(seed=4)
+    rollout(env, 40)
+    first = env.reset(seed=5), rollout(env, 40)
+    assert equal(first, (env.reset(seed=5), rollout(env, 40)))
+
+
+def test_another_seed_gives_another_episode(env):
+    assert not equal(env.reset(seed=1)[0], env.reset(seed=2)[0])
+
+
+SCRIPT = """
+import hashlib, gymnasium, numpy as np
+env = gymnasium.make("RegionSLAM/GoTo-v0")
+observation, _ = env.reset(seed=11)
+digest = hashlib.sha256()
+for action in np.random.default_rng(0).uniform(-1, 1, (40, 2)).astype(np.float32):
+    observation, reward, *_ = env.step(action)
+    for key in sorted(observation):
+        digest.update(observation[key].tobytes())
+    digest.update(repr(reward).encode())
+print(digest.hexdigest())
+"""
+
+
+def test_another_process_sees_the_same():
+    command = [sys.executable, "-c", SCRIPT]
+    runs = [subprocess.run(command, capture_output=True, text=True, check=True).stdout for _ in range(2)]
+    namespace = {}
+    exec(SCRIPT.replace("print(", "here = ("), namespace)  # the script above, in this process
+    assert runs[0] == runs[1] == namespace["here"] + "\n"
+
+
+def test_a_pickle_in_the_middle_of_an_episode_goes_on_identically(env):
+    env.reset(seed=6)
+    rollout(env, 50)
+    copy = pickle.loads(pickle.dumps(env))
+    assert equal(rollout(env, 50, 1), rollout(copy, 50, 1))
+    assert equal(env.reset(), copy.reset())
+
+
+def test_observations_stay_in_their_space_and_share_no_memory(env):
+    observations = [env.reset(seed=8)[0], *(result[0] for result in rollout(env, 100))]
+    for observation in observations:
+        assert observation in env.observation_space
+        assert all(np.isfinite(value).all() for value in observation.values())
+    for before, after in pairwise(observations):
+        assert not any(np.shares_memory(before[key], after[key]) for key in before)
+    assert observations[-1]["regions_mask"].sum() > 2
+
+
+def test_the_ladder_shares_world_mission_start_and_sensor_noise():
+    envs = [SemanticNavigationEnv(localization=rung) for rung in ("slam", "oracle", "odometry")]
+    for env in envs:
+        env.reset(seed=12)
+    assert envs[0].mission == envs[1].mission == envs[2].mission
+    for results in zip(*(rollout(env, 30) for env in envs), strict=True):
+        for key in ("lidar", "velocity", "goal", "progress"):
+            assert equal(results[0][0][key], results[1][0][key]) and equal(results[0][0][key], results[2][0][key])
+        assert results[0][1] == results[1][1] == results[2][1]
+
+
+def test_the_ladder_is_one():
+    errors = {}
+    for rung in ("oracle", "odometry"):
+        env = SemanticNavigationEnv(localization=rung, max_steps=300, goal="kitchen", noise="heavy")
+        env.reset(seed=12)
+        errors[rung] = rollout(env, 300)[-1][4]
+    assert errors["oracle"]["ape_max"] == pytest.approx(0.0, abs=1e-9) and errors["oracle"]["pose_nees"] is None
+    assert errors["odometry"]["ape_max"] > 0.02 and errors["odometry"]["pose_nees"] > 0
+
+
+def test_dead_reckoning_grows_more_uncertain_with_the_way():
+    env = SemanticNavigationEnv(localization="odometry")
+    env.reset(seed=1)
+    traces = [np.trace(result[0]["pose_cov"].reshape(3, 3)) for result in rollout(env, 60)]
+    assert traces[-1] > traces[20] > traces[0] >= 0
+    assert all(b >= a for a, b in pairwise(traces))
+
+
+def test_the_pose_is_in_the_map_frame(env):
+    observation, _ = env.reset(seed=3)
+    assert observation["pose"] == pytest.approx([0, 0, 1, 0], abs=0.2)
+
+
+def test_the_oracle_observes_the_true_pose():
+    env = SemanticNavigationEnv(localization="oracle", reveal_truth=True)
+    env.reset(seed=3)
+    for observation, *_, info in rollout(env, 30):
+        x, y, theta = info["truth"]["pose_in_map"]
+        assert observation["pose"] == pytest.approx([x, y, np.cos(theta), np.sin(theta)], abs=1e-5)
+
+
+def test_truth_is_hidden_unless_it_is_asked_for(env):
+    _, info = env.reset(seed=0)
+    assert set(info) == {"mission"}
+    assert set(env.step(np.zeros(2))[4]) == {"reward_terms"}
+    revealing = SemanticNavigationEnv(reveal_truth=True)
+    assert "truth" in revealing.reset(seed=0)[1] and "truth" in revealing.step(np.zeros(2))[4]
+
+
+def test_the_reward_is_the_sum_of_its_terms(env):
+    env.reset(seed=2)
+    for _, reward, *_, info in rollout(env, 20):
+        assert reward == sum(info["reward_terms"].values())
+
+
+def test_metrics_come_with_the_last_info_only():
+    env = SemanticNavigationEnv(max_steps=5)
+    env.reset(seed=2)
+    *before, last = rollout(env, 5)
+    assert all(set(result[4]) == {"reward_terms"} for result in before)
+    assert set(last[4]) == {"reward_terms", *METRICS}
+    assert last[3] is True and last[2] is False and last[4]["success"] is False
+    assert last[4]["false_arrival"] is None and last[0]["progress"].tolist() == [1, 0]
+    assert not any(isinstance(v, float) and np.isnan(v) for v in last[4].values() if v is not None)
+
+
+def test_standing_in_the_goal_for_a_second_succeeds(env):
+    env.reset(seed=2, options={"goal": "hallway", "start": hallway(env)})
+    results = [env.step(np.zeros(2)) for _ in range(10)]
+    assert [result[2] for result in results] == [False] * 9 + [True]
+    info = results[-1][4]
+    assert (info["success"], info["spl"], info["soft_spl"], info["path_length"]) == (True, 1.0, 1.0, 0.0)
+    assert info["distance_to_goal"] == 0 and info["belief_success"] is True
+    assert info["reward_terms"]["success"] == 10
+
+
+def hallway(env):
+    """Return a pose in the middle of a hallway."""
+    region = env.world.regions_of_type("hallway")[0]
+    corner = region.row.rectangles()[0].mean(axis=0)
+    return (*corner, 0.0)
+
+
+@pytest.mark.parametrize("inside", [True, False])
+def test_a_declaration_ends_the_episode(inside):
+    env = SemanticNavigationEnv(arrival="declare")
+    env.reset(seed=2, options={"goal": "hallway" if inside else "kitchen", "start": hallway(env)})
+    assert not env.step([0, 0, -1])[2]
+    _, reward, terminated, truncated, info = env.step([0, 0, 1])
+    assert terminated and not truncated
+    assert info["success"] is inside and info["false_arrival"] is not inside
+    assert (reward > 0) is inside
+
+
+def test_no_step_without_a_running_episode():
+    env = SemanticNavigationEnv(max_steps=1)
+    with pytest.raises(ResetNeeded):
+        env.step(np.zeros(2))
+    env.reset(seed=0)
+    env.step(np.zeros(2))
+    with pytest.raises(ResetNeeded):
+        env.step(np.zeros(2))
+
+
+def test_goal_and_start_by_hand(env):
+    pose = free_pose(env)
+    _, info = env.reset(seed=1, options={"goal": "kitchen", "start": pose})
+    assert info["mission"] == "go to the kitchen" and env.goal == "kitchen"
+    assert env.true_pose == pytest.approx(pose)
+    assert SemanticNavigationEnv(goal="toilet").reset(seed=4)[1]["mission"] == "go to the toilet"
+
+
+def test_a_start_as_far_away_as_wanted():
+    env = SemanticNavigationEnv(goal="kitchen", start_distance=20.0)
+    for seed in range(5):
+        env.reset(seed=seed)
+        assert env.mission.shortest >= 20
+
+
+def test_splits_are_disjoint():
+    missions = set()
+    for split in ("train", "val", "test"):
+        env = SemanticNavigationEnv(split=split)
+        env.reset(seed=0)
+        missions.add(env.mission)
+    assert len(missions) == 3
+
+
+def test_types_outside_the_vocabulary_are_observed_as_other():
+    env = SemanticNavigationEnv(semantic_types=("hallway", "office"), goal="office")
+    assert env.semantic_types == ("hallway", "office", "other")
+    env.reset(seed=0)
+    observation = rollout(env, 20)[-1][0]
+    table = region_table(observation)
+    assert table.shape == (32, RegionColumn.TYPES + 3)
+    types = table[observation["regions_mask"] == 1, RegionColumn.TYPES :]
+    assert types.sum(axis=1) == pytest.approx(np.ones(len(types)), abs=1e-5) and (types[:, 2] > 0.5).any()
+
+
+@pytest.mark.parametrize(
+    ("kwargs", "message"),
+    [
+        ({"world": "institut"}, "did you mean 'institute'"),
+        ({"localization": "orakle"}, "did you mean 'oracle'"),
+        ({"arrival": "declares"}, "did you mean 'declare'"),
+        ({"split": "tests"}, "did you mean 'test'"),
+        ({"goal": "kitchn"}, "did you mean 'kitchen'"),
+        ({"noise": "hevy"}, "did you mean 'heavy'"),
+        ({"noise": {"lidar_sigm": 1}}, "did you mean 'lidar_sigma'"),
+        ({"noise": {"odometry": {"distanc": 1}}}, "did you mean 'distance'"),
+        ({"reward": "sparce"}, "did you mean 'sparse'"),
+        ({"reward": {"succes": 1}}, "did you mean 'success'"),
+        ({"robot": {"max_sped": 1}}, "did you mean 'max_speed'"),
+        ({"robot": "standart"}, "did you mean 'standard'"),
+        ({"sensors": {"n_lidar_ray": 3}}, "did you mean 'n_lidar_rays'"),
+        ({"render_mode": "rgb_aray"}, "did you mean 'rgb_array'"),
+        ({"max_regions": 0}, "max_regions is 0"),
+        ({"max_steps": 1.5}, "max_steps is 1.5"),
+        ({"n_particles": 0}, "n_particles is 0"),
+        ({"semantic_types": "office"}, "semantic_types is 'office'"),
+    ],
+)
+def test_what_is_unknown_is_told_with_the_nearest_known(kwargs, message):
+    with pytest.raises(ValueError, match=re.escape(message)):
+        SemanticNavigationEnv(**kwargs)
+
+
+def test_unknown_options_of_reset_are_refused(env):
+    with pytest.raises(ValueError, match="did you mean 'start'"):
+        env.reset(options={"strat": (0, 0, 0)})
+
+
+def test_noise_by_name_or_dictionary():
+    heavy = SemanticNavigationEnv(noise="heavy").noise
+    assert heavy.regions.sigma_xy == 0.15
+    assert SemanticNavigationEnv(noise={"regions": {"sigma_xy": 0.3}}).noise.regions.sigma_xy == 0.3
+    assert SemanticNavigationEnv(reward={"time": -1}).reward.time == -1
+    assert SemanticNavigationEnv(robot={"max_speed": 0.5}).robot.max_speed == 0.5
+
+
+def test_the_page_tells_the_spaces_as_they_are(env):
+    page = SemanticNavigationEnv.__doc__
+    rows = re.findall(r"^\s*\| (\w+) \| (Box|MultiBinary) \| (\([\d, ]+\)) \|", page, re.MULTILINE)
+    told = {key: (kind, eval(shape)) for key, kind, shape in rows}
+    true = {key: (type(space).__name__, space.shape) for key, space in env.observation_space.items()}
+    assert told == true
+    assert "`Box(-1, 1, (2,), float32)`" in page and env.action_space == gymnasium.spaces.Box(-1, 1, (2,), np.float32)
+
+
+def test_the_page_tells_every_argument_and_reward():
+    page = SemanticNavigationEnv.__doc__
+    arguments = page[page.index("## Arguments") : page.index("## Version")]
+    told = dict(re.findall(r"^\s*\| (\w+) \| (.*?) \|", arguments, re.MULTILINE)[1:])
+    signature = inspect.signature(SemanticNavigationEnv.__init__).parameters
+    true = {name: p.default for name, p in signature.items() if name != "self"}
+    assert list(told) == list(true)
+    for name, default in told.items():
+        assert eval(default.strip("`"), {"SEMANTIC_TYPES": SEMANTIC_TYPES}) == true[name], name
+    rewards = page[page.index("## Rewards") : page.index("## Starting")]
+    weights = {k: float(v) for k, v in re.findall(r"^\s*\| (\w+) \| (-?[\d.]+)", rewards, re.MULTILINE)}
+    env = SemanticNavigationEnv()
+    assert weights == {name: getattr(env.reward, name) for name in weights} and len(weights) == 5
+
+
+def test_a_picture_and_words():
+    env = SemanticNavigationEnv(render_mode="rgb_array")
+    env.reset(seed=0)
+    rollout(env, 5)
+    frame = env.render()
+    assert frame.dtype == np.uint8 and frame.ndim == 3 and frame.shape[2] == 3 and frame.std() > 1
+    env = SemanticNavigationEnv(render_mode="ansi")
+    env.reset(seed=0)
+    rollout(env, 10)
+    assert env.render().startswith(f"go to the {env.goal}: ")
+
+
+def test_physics_and_filter_run_without_a_renderer():
+    code = (
+        "import sys, gymnasium; env = gymnasium.make('RegionSLAM/GoTo-v0'); env.reset(seed=0); "
+        "env.step(env.action_space.sample()); assert not {'PIL', 'pygame', 'matplotlib'} & set(sys.modules)"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True)
