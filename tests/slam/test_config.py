@@ -1,0 +1,34 @@
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from slam.config import SlamConfig
+
+
+def test_probabilities_become_log_odds_and_the_range_a_density() -> None:
+    p = SlamConfig(prior_link=0.2, sensor_range=5.0).parameters()
+    assert p.prior_link == pytest.approx(math.log(0.25))
+    assert p.prior_type == 0.0
+    assert p.log_reference == pytest.approx(math.log(1 / 5))
+
+
+@pytest.mark.parametrize(
+    ("field", "value"),
+    [
+        ("n_particles", 0),
+        ("n_particles", 2.5),
+        ("prior_type", 0.0),
+        ("prior_link", 1.0),
+        ("resample_below", 1.5),
+        ("sensor_range", math.inf),
+        ("sensor_range", -1.0),
+        ("gate_associate", 400.0),
+        ("link_unseen", math.nan),
+    ],
+)
+def test_a_bad_setting_is_named_with_its_value(field: str, value: float) -> None:
+    with pytest.raises(ValueError, match=field) as error:
+        SlamConfig(**{field: value})  # type: ignore[arg-type]
+    assert str(value) in str(error.value)

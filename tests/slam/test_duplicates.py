@@ -1,0 +1,136 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from slam.duplicates import duplicate_scratch, rank, resolve_duplicates, share_place
+from slam.measurement import RegionMeasurement
+from tests.slam.drawn import P, links_to, mapped, maps, measured, particles
+
+ROOM = [0.0, -2, 2, -1.5, 1.5]
+
+
+def resolve(regions: np.ndarray, *slots: int) -> None:
+    """Resolve after a scan that measured these slots."""
+    scan = measured(*(RegionMeasurement("office", 0, 0, 20, 20) for _ in slots))
+    resolve_duplicates(particles(), regions, scan, links_to(*((s, 0, 0, 0) for s in slots)), P, *duplicate_scratch())
+
+
+def test_twins_become_one_older_region() -> None:
+    regions = maps(mapped(ROOM, (0.3, 0), 0.02), mapped(ROOM, (0, 0), 0.02))
+    regions["id"][0, :2] = 200, 100
+    regions["sightings"][0, :2] = 4, 3
+    regions["existence"][0, :2] = 1.0, 2.0
+    resolve(regions, 0)
+    assert regions["n"][0, :2].tolist() == [0, 1]
+    m = regions[0, 1]
+    assert (m.id, m.sightings, m.existence) == (100, 7, 2.0)
+    np.testing.assert_allclose(m.anchor[0] + m.state[1:3], [-1.85, 2.15], atol=1e-6)  # half way
+    np.testing.assert_allclose(np.diag(m.cov)[1:5], 0.01, atol=1e-3)
+
+
+@pytest.mark.parametrize("quarters", [1, 2, 3])
+def test_twins_in_different_descriptions_become_one(quarters: int) -> None:
+    turned = [0.0, -1.5, 1.5, -2, 2] if quarters % 2 else ROOM
+    turned = [quarters * np.pi / 2, *turned[1:]]
+    regions = maps(mapped(ROOM, (0, 0), 0.02), mapped(turned, (0.2, 0.1), 0.02))
+    resolve(regions, 1)
+    assert regions["n"][0, :2].tolist() == [1, 0]
+    m = regions[0, 0]
+    np.testing.assert_allclose(m.state[:5], [0, -1.9, 2.1, -1.45, 1.55], atol=1e-6)
+
+
+def test_a_twin_gives_its_closed_edges_to_an_open_one() -> None:
+    """Two halves of a room with one common wall, one closed on the left, one on the right."""
+    first = mapped(ROOM, (0, 0), 0.01, open_edges=[2])
+    first.state[2] = 1.0
+    second = mapped(ROOM, (0, 0), 0.01, open_edges=[1])
+    second.state[1] = -1.0
+    regions = maps(first, second)
+    resolve(regions, 0)
+    m = regions[0, 0]
+    assert regions["n"][0, :2].tolist() == [1, 0]
+    np.testing.assert_allclose(m.state[1:3], [-2, 2], atol=1e-4)
+    assert m.closed[:5].all()
+
+
+def test_neighbours_stay() -> None:
+    regions = maps(mapped(ROOM, (0, 0), 0.01), mapped(ROOM, (4.0, 0), 0.01), mapped(ROOM, (0, 3), 0.01))
+    resolve(regions, 0)
+    assert regions["n"][0, :3].tolist() == [1, 1, 1]
+
+
+def test_two_regions_of_one_scan_are_two() -> None:
+    regions = maps(mapped(ROOM, (0.2, 0), 0.02), mapped(ROOM, (0, 0), 0.02))
+    resolve(regions, 0, 1)
+    assert regions["n"][0, :2].tolist() == [1, 1]
+
+
+def test_a_region_of_its_own_size_inside_another_of_its_type_stays() -> None:
+    regions = maps(mapped(ROOM, cov=0.01), mapped([0, -0.4, 0.4, -0.3, 0.3], cov=0.01))
+    resolve(regions, 0)
+    assert regions["n"][0, :2].tolist() == [1, 1]
+
+
+def hypotheses(*log_odds: float) -> np.ndarray:
+    """Regions of different types at one place."""
+    regions = maps(*(mapped(ROOM, (0.05 * k, 0), 0.01) for k in range(len(log_odds))))
+    regions["type"][0, : len(log_odds)] = range(len(log_odds))
+    regions["type_log_odds"][0, : len(log_odds)] = log_odds
+    return regions
+
+
+@pytest.mark.parametrize("order", [(0, 1, 2), (2, 1, 0), (1, 0, 2), (1, 2, 0), (0,), (1,), (2,)])
+def test_of_three_types_only_the_most_credible_stands(order: tuple[int, ...]) -> None:
+    """Whichever of them was measured, and wherever they stand in the map."""
+    for log_odds in ((3.0, 1.0, -1.0), (1.0, 3.0, -1.0), (-1.0, 1.0, 3.0)):
+        regions = hypotheses(*log_odds)
+        resolve(regions, *range(3))
+        resolve(regions, *order)
+        standing = [k for k in range(3) if regions["rival"][0, k] < 0]
+        assert standing == [int(np.argmax(log_odds))]
+
+
+def test_the_lead_can_change() -> None:
+    regions = hypotheses(2.0, 1.0)
+    resolve(regions, 0)
+    assert regions["rival"][0, :2].tolist() == [-1, 0]
+    regions["type_log_odds"][0, :2] = 1.0, 2.0
+    resolve(regions, 1)
+    assert regions["rival"][0, :2].tolist() == [1, -1]
+
+
+def test_an_outdone_hypothesis_is_dropped_in_the_end() -> None:
+    regions = hypotheses(4.0, -3.5)
+    resolve(regions, 0)
+    assert regions["n"][0, :2].tolist() == [1, 0]
+    alone = hypotheses(-3.5)
+    resolve(alone, 0)
+    assert alone["n"][0, 0] == 1
+
+
+def test_a_rival_that_is_gone_is_forgotten() -> None:
+    regions = hypotheses(2.0, 1.0)
+    resolve(regions, 0)
+    regions["n"][0, 0] = 0
+    resolve(regions, 1)
+    assert regions["rival"][0, 1] == -1
+    regions = hypotheses(2.0, 1.0)
+    resolve(regions, 0)
+    regions[0, 0] = mapped(ROOM, (30, 0))  # the slot was reused far away
+    resolve(regions, 1)
+    assert regions["rival"][0, 1] == -1
+
+
+def test_a_desk_is_no_rival_of_its_office() -> None:
+    regions = hypotheses(2.0, 1.0)
+    regions[0, 1] = mapped([0, -0.8, 0.8, -0.4, 0.4])
+    regions[0, 1].type = 1
+    rank(regions[0], 0, 1)
+    assert regions["rival"][0, :2].tolist() == [-1, -1]
+
+
+def test_sharing_a_place() -> None:
+    assert share_place(mapped(ROOM), mapped(ROOM, (1.5, 0)))
+    assert not share_place(mapped(ROOM), mapped(ROOM, (2.5, 0)))
+    assert share_place(mapped([0, -10, 10, -1, 1]), mapped(ROOM, (8, 0)))  # one centre suffices

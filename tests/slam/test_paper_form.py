@@ -1,0 +1,145 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from slam.edge_form import state_size
+from slam.geometric_update import start
+from slam.measurement import RegionMeasurement
+from slam.paper_form import facing_edge, row_of, to_feature, to_features
+from slam.particles import ADJACENT, INSIDE, LINK_BELIEF
+from slam.region import REGION, EdgeState, RegionFeature, Subrectangle
+from slam.rows import Row
+from tests.slam import naive
+from tests.slam.drawn import CLOSED, OPEN, P, mapped, maps, measured, random_measurement, random_state
+
+SHAPES = [(1, False), (2, True), (2, False), (3, True)]
+
+
+def parameters(state: np.ndarray, anchor: np.ndarray, main: int) -> np.ndarray:
+    """x, y, w, h, phi and w, h, y of the subrectangles, from corners."""
+    boxes = naive.corners(state, anchor)
+    along, across = naive.axes(state[0])
+    middle = boxes.mean(axis=1)
+    w = np.einsum("ij,j->i", boxes[:, 1] - boxes[:, 0], along)
+    h = np.einsum("ij,j->i", boxes[:, 3] - boxes[:, 0], across)
+    out = [*middle[main], w[main], h[main], state[0]]
+    for i in (main - 1, main + 1):
+        if 0 <= i < len(boxes):
+            out += [w[i], h[i], across @ (middle[i] - middle[main])]
+    return np.array(out)
+
+
+@pytest.mark.parametrize(("n", "main"), [(1, 0), (2, 0), (2, 1), (3, 1)])
+def test_parameters_and_covariances_are_the_marginals(n: int, main: int) -> None:
+    rng = np.random.default_rng(n)
+    size = state_size(n)
+    m = mapped(random_state(rng, n), (1.0, 2.0), naive.random_covariance(rng, size))
+    m.main = main
+    anchor = m.anchor.copy()
+    feature = to_feature(m, ["office"])
+    mean = parameters(m.state[:size], anchor, main)
+    subs = [sub for sub in (feature.left, feature.right) if sub is not None]
+    found = [feature.x, feature.y, feature.w, feature.h, feature.phi]
+    found += [value for sub in subs for value in (sub.w, sub.h, sub.y)]
+    np.testing.assert_allclose(found, mean)
+    j = naive.derivative(lambda x: parameters(x, anchor, main), m.state[:size])
+    cov = j @ m.cov[:size, :size] @ j.T
+    np.testing.assert_allclose(feature.cov_xy, cov[:2, :2], atol=1e-8)
+    np.testing.assert_allclose(feature.cov_wh, cov[2:4, 2:4], atol=1e-8)
+    assert feature.var_phi == pytest.approx(cov[4, 4])
+    for k, sub in enumerate(subs):
+        at = 5 + 3 * k
+        np.testing.assert_allclose(sub.cov_wh, cov[at : at + 2, at : at + 2], atol=1e-8)
+        assert sub.var_y == pytest.approx(cov[at + 2, at + 2])
+
+
+@pytest.mark.parametrize(("n", "left"), SHAPES)
+def test_a_measurement_of_a_new_region_comes_back_whole(n: int, left: bool) -> None:
+    """From the origin, every field of Fig. 1 but the pairwise correlations that it cannot hold."""
+    z = random_measurement(np.random.default_rng(n), n, left)
+    m = np.zeros(1, REGION)[0]
+    start(measured(z)[0, 0], np.zeros(3), m, P)
+    feature = to_feature(m, ["office"])
+    for name in ("x", "y", "w", "h", "phi", "var_phi"):
+        assert getattr(feature, name) == pytest.approx(getattr(z, name))
+    assert (feature.t, feature.b) == (CLOSED, CLOSED)
+    np.testing.assert_allclose(feature.cov_xy, z.cov_xy, atol=1e-12)
+    np.testing.assert_allclose(feature.cov_wh, z.cov_wh, atol=1e-12)
+    for theirs, ours, side in ((z.left, feature.left, feature.l), (z.right, feature.right, feature.r)):
+        assert (theirs is None) == (ours is None)
+        assert side is (EdgeState.CLOSED if theirs is None else EdgeState.SUBRECT)
+        if theirs is not None and ours is not None:
+            assert (ours.w, ours.h, ours.y) == pytest.approx((theirs.w, theirs.h, theirs.y))
+            np.testing.assert_allclose(ours.cov_wh, theirs.cov_wh, atol=1e-12)
+            assert ours.var_y == pytest.approx(theirs.var_y)
+            assert ours.end is CLOSED
+
+
+def test_edge_states_come_back() -> None:
+    left = Subrectangle(1, 1, 0, t=OPEN, b=CLOSED, end=OPEN)
+    right = Subrectangle(2, 1, 0, t=CLOSED, b=OPEN, end=CLOSED)
+    z = RegionMeasurement("office", 0, 0, 2, 2, t=CLOSED, b=OPEN, left=left, right=right)
+    m = np.zeros(1, REGION)[0]
+    start(measured(z)[0, 0], np.zeros(3), m, P)
+    feature = to_feature(m, ["office"])
+    assert feature.open_edges == ("b", "tl", "ll", "br")
+    assert feature.edges["l"] is feature.edges["r"] is EdgeState.SUBRECT
+
+
+def test_a_row_lies_where_its_corners_are() -> None:
+    m = mapped(random_state(np.random.default_rng(0), 3), (1.0, -3.0))
+    np.testing.assert_allclose(row_of(m).rectangles(), naive.corners(m.state[:11], m.anchor), atol=1e-12)
+
+
+def links(*entries: tuple[int, int, int, int, float]) -> np.ndarray:
+    return np.array(list(entries), LINK_BELIEF)
+
+
+def test_links_and_children_by_id() -> None:
+    regions = maps(mapped([0, -2, 2, -1, 1]), mapped([0, -2, 2, -1, 1], (0, 2)), mapped([0, -0.5, 0.5, -0.5, 0.5]))[0]
+    regions["sightings"] = 5
+    regions["first_link"][:3] = 1, -1, 2
+    chain = links(
+        (1, 101, -1, ADJACENT, 2.0),
+        (2, 555, 0, ADJACENT, 9.0),  # stale: the slot holds another region now
+        (0, 100, -1, INSIDE, 3.0),
+    )
+    features = {m.id: m for m in to_features(regions, chain, ["office"], 3)}
+    assert set(features) == {100, 101, 102}
+    assert features[100].neighbours == {"t": {101: 2.0}}
+    assert features[100].children == {102: 3.0}
+    assert features[102].neighbours == {}
+    regions["sightings"][1] = 2
+    features = {m.id: m for m in to_features(regions, chain, ["office"], 3)}
+    assert set(features) == {100, 102}
+    assert features[100].neighbours == {}  # tentative regions aren't handed out, nor links to them
+
+
+@pytest.mark.parametrize(
+    ("x", "y", "edge"),
+    [
+        (0, 4, "t"),
+        (0, -4, "b"),
+        (-5, 3, "tl"),
+        (-5, -3, "bl"),
+        (-9, 0, "ll"),
+        (6, 3, "tr"),
+        (6, -3, "br"),
+        (9, 0, "rr"),
+    ],
+)
+def test_the_edge_that_faces_a_neighbour(x: float, y: float, edge: str) -> None:
+    row = Row.from_parameters(0, 0, 4, 4, left=(4, 2, 0), right=(5, 2, 0))
+    assert facing_edge(row, Row.from_parameters(x, y, 1, 1)) == edge
+    one = Row.from_parameters(0, 0, 14, 2)
+    assert facing_edge(one, Row.from_parameters(x, y, 1, 1)) == {-9: "l", 9: "r"}.get(x, "t" if y > 0 else "b")
+
+
+def test_a_feature_holds_its_standing() -> None:
+    m = mapped([0, -2, 2, -1, 1])
+    m.rival, m.visited, m.existence, m.sightings, m.type_log_odds, m.type, m.id = 3, 1, 2.5, 7, -1.5, 1, 42
+    feature = to_feature(m, ["office", "kitchen"])
+    assert isinstance(feature, RegionFeature)
+    assert (feature.id, feature.type, feature.type_log_odds, feature.existence) == (42, "kitchen", -1.5, 2.5)
+    assert (feature.sightings, feature.visited, feature.credible) == (7, True, False)
