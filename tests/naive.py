@@ -30,8 +30,8 @@ def cast(pose: Floats, angles: Floats, reach: float, segments: Floats) -> Floats
 def sight(bounds: tuple[float, float, float, float], rays: Floats, reach: float, tolerance: float) -> Floats:
     """Return how much of each edge (top, bottom, left, right) is seen, and the box around the visible part.
 
-    `rays` are the ends of the rays, shape (n, 2), m, in the rectangle's own axes and relative to the sensor: every beam is
-    the pair of a ray and the next one.
+    `rays` are the ends of the rays, shape (n, 2), m, in the rectangle's own axes and relative to the sensor: every beam
+    is the pair of a ray and the next one. Only beams that point at an edge count for it.
     """
     left, right, bottom, top = bounds
     seen, points = np.zeros(4), []
@@ -39,8 +39,9 @@ def sight(bounds: tuple[float, float, float, float], rays: Floats, reach: float,
         [(1, top, left, right), (1, bottom, left, right), (0, left, bottom, top), (0, right, bottom, top)]
     ):
         meetings = [_meeting(end, axis, line, reach, tolerance) for end in rays]
-        for (first, first_place), (second, second_place) in zip(meetings, np.roll(meetings, -1, axis=0), strict=True):
-            if not (first and second):
+        for k, (first, first_place) in enumerate(meetings):
+            second, second_place = meetings[(k + 1) % len(rays)]
+            if not (first and second and _points_at(rays[k], rays[(k + 1) % len(rays)], axis, line, low, high)):
                 continue
             start = max(min(first_place, second_place), low)
             stop = min(max(first_place, second_place), high)
@@ -68,6 +69,12 @@ def _meeting(end: Floats, axis: int, line: float, reach: float, tolerance: float
     if abs(end[axis]) >= abs(line) - tolerance and np.hypot(*end) < reach - 1e-12:
         return 1, float(end[1 - axis])
     return 0, 0.0
+
+
+def _points_at(first: Floats, second: Floats, axis: int, line: float, low: float, high: float) -> bool:
+    """Return whether a beam, if nothing stopped it, would meet the edge."""
+    places = sorted(line * end[1 - axis] / end[axis] for end in (first, second))
+    return bool(places[1] >= low and places[0] <= high)
 
 
 def rays_into(bounds: tuple[float, float, float, float], rays: Floats) -> int:

@@ -125,6 +125,8 @@ def _look_at_edge(
         across, along, across_x, across_y, along_x, along_y = BOX_U, BOX_V, axis[0], axis[1], -axis[1], axis[0]
     side = 1.0 if line > 0 else -1.0
     distance, depth = line * side, far * side
+    # A wall on the far edge is inside the rectangle, one on the near edge in front of it.
+    through = distance + _ROUNDING if depth > distance else distance - _ROUNDING
     if distance < _ON_THE_LINE or distance > reach:
         return 0
     n = ranges.shape[0]
@@ -146,7 +148,7 @@ def _look_at_edge(
         now, slide = _LOST, 0.0
         if rise > 0 and end >= distance - tolerance and k <= last:
             slide = along_x * directions[0, i] + along_y * directions[1, i]
-            if end >= distance - _ROUNDING:
+            if end >= through:
                 now = _THROUGH
             elif 0 < r < reach:
                 now = _STOPPED
@@ -165,7 +167,7 @@ def _look_at_edge(
                 if before == _STOPPED:
                     length += _common(at_before, run_start, low, high)
             last_slide, last_rise = slide, rise
-            if end > distance + _ROUNDING and low * rise <= distance * slide <= high * rise:
+            if low * rise <= distance * slide <= high * rise:
                 passed += 1
                 stop = r * slide
                 if end <= depth + _ROUNDING and low - _ROUNDING <= stop <= high + _ROUNDING:
