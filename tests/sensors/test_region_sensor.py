@@ -1,9 +1,11 @@
 import math
 import pickle
 
+import numba
 import numpy as np
 import pytest
 
+from regionslam_env.worlds.loading import load
 from regionslam_env.worlds.world import Region, World
 from slam.region import EdgeState
 from slam.rows import Row
@@ -306,3 +308,29 @@ def test_a_world_without_walls_or_regions():
     assert kinds(look(bare, (0, 0, 0))) == ["office"]
     empty = type(world)("empty", (), world.walls)
     assert len(look(empty, (0, 0, 0))) == 0
+
+
+def test_what_is_measured_in_a_building_is_true():
+    world = load("institute")
+    eye, rng = sensor(world), np.random.default_rng(10)
+    xmin, ymin, xmax, ymax = world.bounds
+    measured = 0
+    for _ in range(5 if numba.config.DISABLE_JIT else 100):
+        pose = (*rng.uniform((xmin, ymin), (xmax, ymax)), rng.uniform(-3, 3))
+        for z in eye.measure(np.array(pose)).records:
+            measured += 1
+            kind = world.arrays.types[z.type]
+            seen = to_world(row_of(z).rectangles(), pose)
+            fits = [r for r in world.regions_of_type(kind) if _holds(r.row, seen)]
+            assert fits, f"{kind} at {pose} is nowhere on the floor"
+    assert measured > 15
+
+
+def _holds(row, seen):
+    """Return whether each seen rectangle, shape (n, 4, 2), lies in one of the row's."""
+    local = row.to_local(seen.reshape(-1, 2)).reshape(-1, 4, 2)
+    for (u0, v0), (u1, v1) in zip(local.min(axis=1), local.max(axis=1), strict=True):
+        inside = (row.u[:-1] <= u0 + 1e-6) & (u1 - 1e-6 <= row.u[1:]) & (row.b <= v0 + 1e-6) & (v1 - 1e-6 <= row.t)
+        if not inside.any():
+            return False
+    return True
