@@ -49,7 +49,8 @@ def resolve_duplicates(
                 if other == slot or b.n == 0 or not share_place(a, b):
                     continue
                 if a.type != b.type:
-                    rank(regions[i], slot, other)
+                    if are_rivals(a, b):
+                        rank(regions[i], slot, other)
                 elif not seen[other]:
                     # Two regions of one scan are two regions, so only an unseen one can be the twin.
                     older, younger = (a, b) if a.id < b.id else (b, a)
@@ -65,8 +66,7 @@ def resolve_duplicates(
             if m.n > 0 and m.rival >= 0:
                 rival = regions[i, m.rival]
                 # The slot may be free or hold another region by now, and the rival may have lost its lead.
-                outdone = rival.n > 0 and rival.type != m.type and rival.type_log_odds >= m.type_log_odds
-                if not outdone or not share_place(m, rival):
+                if not are_rivals(m, rival) or rival.type_log_odds < m.type_log_odds:
                     m.rival = -1
                 elif m.type_log_odds < -3.0:
                     m.n = 0
@@ -87,16 +87,22 @@ def share_place(a: Record, b: Record) -> Any:
 
 
 @njit
-def rank(regions: Array, i: int, j: int) -> None:
-    """Mark the less credible of two hypotheses for one place; regions of unlike size are no rivals."""
-    a, b = regions[i], regions[j]
+def are_rivals(a: Record, b: Record) -> bool:
+    """Say whether two regions are hypotheses for one place: two types, alike in size, each around the other's centre."""
+    if a.n == 0 or b.n == 0 or a.type == b.type:
+        return False
     size_a, size_b = area(a), area(b)
     if min(size_a, size_b) < 0.5 * max(size_a, size_b):
-        return
+        return False
     xa, ya = point_in_rectangle(a, a.main, 0.5, 0.5)
     xb, yb = point_in_rectangle(b, b.main, 0.5, 0.5)
-    if not (contains(b, xa, ya, MARGIN) and contains(a, xb, yb, MARGIN)):
-        return
+    return contains(b, xa, ya, MARGIN) and contains(a, xb, yb, MARGIN)
+
+
+@njit
+def rank(regions: Array, i: int, j: int) -> None:
+    """Mark the less credible of two hypotheses for one place as outdone by the other."""
+    a, b = regions[i], regions[j]
     if a.type_log_odds > b.type_log_odds or (a.type_log_odds == b.type_log_odds and a.sightings >= b.sightings):
         b.rival = i
         if a.rival == j:

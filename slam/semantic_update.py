@@ -7,11 +7,18 @@ from typing import Any
 import numpy as np
 
 from slam.edge_form import turn
+from slam.extent import area
 from slam.jit import Array, Record, njit
 from slam.region import b_index, u_index
 
 LIMIT = 10.0
 """Log-odds are clamped to ±LIMIT, so that a belief can always be revised."""
+
+OPPOSING_GATE = 25.0
+"""Squared Mahalanobis distance below which a measurement of another type can be of the same place."""
+
+OPPOSING_COVER = 0.5
+"""Share of a region that it must cover to be."""
 
 
 @njit
@@ -21,8 +28,8 @@ def update_semantics(
     """Sum the evidence for and against every region's type and apply eq. (13).
 
     The relevant measurements of a region, eq. (8), are those that could be measurements of the same place if type were
-    ignored: the candidates of data association below its gate that overlap it. A desk is no evidence against the
-    office around it.
+    ignored: the candidates of data association that overlap it. To oppose it, one must also cover most of it within a
+    narrow gate: neither is a desk evidence against the office around it, nor a glimpse of the office against the desk.
     The prior enters once, when the region is born, so (13) is applied to an inverse model completed with it.
     """
     turned = np.zeros_like(measured[:1, 0])
@@ -37,8 +44,9 @@ def update_semantics(
                     turn(m, 1, turned[0])
                     m = turned[0]
                 column = 0 if pair.same_type else 2
-                share = covered_share(z, m, pair.offset, particles[i].pose)
-                if share > 0.0:
+                share, covered = covered_share(z, m, pair.offset, particles[i].pose)
+                opposes = pair.distance < OPPOSING_GATE and covered > OPPOSING_COVER * area(m)
+                if share > 0.0 and (pair.same_type or opposes):
                     evidence[pair.slot, column] += z.confidence * share
                     evidence[pair.slot, column + 1] += 1
         for c in range(n_candidates[i]):
@@ -54,7 +62,7 @@ def update_semantics(
 
 @njit
 def covered_share(z: Record, m: Record, offset: int, pose: Array) -> Any:
-    """Return overlap(z, m), eq. (11): the share of z's area inside m, along m's axes.
+    """Return overlap(z, m), eq. (11): the share of z's area inside m, along m's axes; and that area, m².
 
     m is taken with the measurement's own uncertainty (two standard deviations), or thin regions would be refuted by
     supporting scans, and without limit where its edges are open.
@@ -62,13 +70,13 @@ def covered_share(z: Record, m: Record, offset: int, pose: Array) -> Any:
     c, s = np.cos(m.state[0]), np.sin(m.state[0])
     dx, dy = m.anchor[0] - pose[0], m.anchor[1] - pose[1]
     pu, pv = c * dx + s * dy, -s * dx + c * dy
-    area, covered = 0.0, 0.0
+    z_area, covered = 0.0, 0.0
     for j in range(z.n):
         left, right = u_index(j), u_index(j + 1)
         bottom = b_index(j)
         z_left, z_right = z.state[left] - pu, z.state[right] - pu
         z_bottom, z_top = z.state[bottom] - pv, z.state[bottom + 1] - pv
-        area += (z_right - z_left) * (z_top - z_bottom)
+        z_area += (z_right - z_left) * (z_top - z_bottom)
         k = j + offset
         if k < 0 or k >= m.n:
             continue
@@ -78,7 +86,7 @@ def covered_share(z: Record, m: Record, offset: int, pose: Array) -> Any:
             z_bottom, _limit(z, m, bottom, m_bottom, -1)
         )
         covered += max(width, 0.0) * max(height, 0.0)
-    return min(covered / area, 1.0) if area > 0.0 else 0.0
+    return (min(covered / z_area, 1.0) if z_area > 0.0 else 0.0), covered
 
 
 @njit
