@@ -22,6 +22,9 @@ MARGINS = {0.25: 0.0, 0.1: 0.4, 0.02: 0.8}
 AWAY = 4.0
 """Cost of a metre between the two borders."""
 
+SHIFT = 0.2
+"""Distance (m) of the places tried along a border where the nearest one meets a third room."""
+
 CROSSED = 4.0
 """Cost of an opening that meets the border of a third room."""
 
@@ -85,39 +88,46 @@ def _candidates(
     reach: float,
     others: Sequence[shapely.LinearRing],
 ) -> list[tuple[float, Floats, Floats, float]]:
-    """Return (cost, centre, direction, depth) of every pair of sides between which an opening fits."""
+    """Return (cost, centre, direction, depth) of places where an opening fits, the best ones of each pair of sides."""
     found = []
     for start, end in _sides(outlines[0]):
         length = float(np.hypot(*(end - start)))
         if length < width:
             continue
         along = (end - start) / length
-        across = np.array([-along[1], along[0]])
         for other_start, other_end in _sides(outlines[1]):
             side = other_end - other_start
-            if abs(along @ side) < np.cos(PARALLEL) * np.hypot(*side) or along @ side > 0:
+            if -(along @ side) < np.cos(PARALLEL) * np.hypot(*side):
                 continue  # both outlines turn counter-clockwise, so facing sides run in opposite directions
             u = np.sort([(other_start - start) @ along, (other_end - start) @ along])
             low, high = max(0.0, u[0]) + margin + width / 2, min(length, u[1]) - margin - width / 2
             if low > high + 1e-9:
                 continue
-            place = min(max(float((point - start) @ along), low), high)
-            slope = (side @ across) / (side @ along)
-            offsets = [
-                (other_start - start) @ across + slope * (place + f * width / 2 - (other_start - start) @ along)
-                for f in (-1.0, 0.0, 1.0)
-            ]
-            if abs(offsets[1]) > FARTHEST:
-                continue
-            near, far = min(0.0, *offsets), max(0.0, *offsets)
-            centre = start + along * place + across * (near + far) / 2
-            shift = float(np.hypot(*(centre - point)))
-            if shift > reach:
-                continue
-            depth = DOOR_DEPTH + far - near
-            crossed = _crossed(others, centre, along, width, depth)
-            found.append((shift + AWAY * abs(offsets[1]) + CROSSED * crossed, centre, along, depth))
+            nearest = min(max(float((point - start) @ along), low), high)
+            for place in (nearest, *np.arange(low, high, SHIFT)):
+                centre, depth, between = _gap(start, along, other_start, side, place, width)
+                shift = float(np.hypot(*(centre - point)))
+                if abs(between) > FARTHEST or shift > reach:
+                    continue
+                crossed = _crossed(others, centre, along, width, depth)
+                found.append((shift + AWAY * abs(between) + CROSSED * crossed, centre, along, depth))
+                if crossed == 0 and place == nearest:
+                    break
     return found
+
+
+def _gap(
+    start: Floats, along: Floats, other_start: Floats, side: Floats, place: float, width: float
+) -> tuple[Floats, float, float]:
+    """Return the centre and depth (m) of an opening at a place along a side, and how far the other side is there, m."""
+    across = np.array([-along[1], along[0]])
+    slope = (side @ across) / (side @ along)
+    offsets = [
+        float((other_start - start) @ across + slope * (place + f * width / 2 - (other_start - start) @ along))
+        for f in (-1.0, 0.0, 1.0)
+    ]
+    near, far = min(0.0, *offsets), max(0.0, *offsets)
+    return start + along * place + across * (near + far) / 2, DOOR_DEPTH + far - near, offsets[1]
 
 
 def _crossed(others: Sequence[shapely.LinearRing], centre: Floats, along: Floats, width: float, depth: float) -> int:
