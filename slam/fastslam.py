@@ -56,10 +56,7 @@ class RegionSLAM:
 
     def reset(self, pose: ArrayLike = (0.0, 0.0, 0.0)) -> Belief:
         """Forget the map and start at a pose (x, y, theta) that is certain; return the belief."""
-        start = np.asarray(pose, dtype=np.float64)
-        if start.shape != (3,) or not np.all(np.isfinite(start)):
-            raise ValueError(f"pose is {pose!r}, expected three finite numbers (x, y, theta)")
-        self._set = ParticleSet.at(start, self.config.n_particles)
+        self._set = ParticleSet.at(_checked_pose(pose), self.config.n_particles)
         self._types: list[str] = []
         self._type_index: dict[str, int] = {}
         self._known_types: dict[tuple[str, ...], NDArray[np.int32]] = {}
@@ -74,7 +71,7 @@ class RegionSLAM:
         """
         self.predict(odometry)
         if pose is not None:
-            place(self._set.particles, np.asarray(pose, dtype=np.float64))
+            place(self._set.particles, _checked_pose(pose))
         return self.update(scan)
 
     def predict(self, odometry: Odometry) -> None:
@@ -155,3 +152,14 @@ class RegionSLAM:
         if self._ess < self.config.resample_below * len(particles):
             self._set.gather(systematic(weights(particles["log_weight"]), self._rng.random()))
             particles["log_weight"] = -np.log(len(particles))
+
+
+def _checked_pose(pose: ArrayLike) -> NDArray[np.float64]:
+    """Return a pose as an array (x, y, theta), or refuse it."""
+    try:
+        checked = np.asarray(pose, dtype=np.float64)
+    except (TypeError, ValueError):
+        checked = np.empty(0)
+    if checked.shape != (3,) or not np.all(np.isfinite(checked)):
+        raise ValueError(f"pose is {pose!r}, expected three finite numbers (x, y, theta)")
+    return checked

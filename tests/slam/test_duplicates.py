@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from slam.duplicates import duplicate_scratch, rank, resolve_duplicates, share_place
+from slam.duplicates import are_rivals, duplicate_scratch, resolve_duplicates, share_place
 from slam.measurement import RegionMeasurement
 from tests.slam.drawn import P, links_to, mapped, maps, measured, particles
 
@@ -126,7 +126,8 @@ def test_a_desk_is_no_rival_of_its_office() -> None:
     regions = hypotheses(2.0, 1.0)
     regions[0, 1] = mapped([0, -0.8, 0.8, -0.4, 0.4])
     regions[0, 1].type = 1
-    rank(regions[0], 0, 1)
+    assert not are_rivals(regions[0, 0], regions[0, 1])
+    resolve(regions, 0)
     assert regions["rival"][0, :2].tolist() == [-1, -1]
 
 

@@ -197,6 +197,67 @@ def test_resampled_particles_live_their_own_lives(drive: tuple[Course, list[np.n
     assert len({tuple(p) for p in after.particles["pose"].round(12).tolist()}) == 4
 
 
+def clutter(rng: np.random.Generator) -> RegionMeasurement:
+    """Anything a sensor could come up with: any shape, any edge open, thin and wide."""
+
+    def edge() -> EdgeState:
+        return EdgeState(int(rng.integers(2)))
+
+    def sub() -> Subrectangle:
+        return Subrectangle(*rng.uniform(0.1, 4, 2), rng.normal(), t=edge(), b=edge(), end=edge())
+
+    x, y = rng.normal(0, 3, 2)
+    w, h = np.exp(rng.uniform(-2.3, 2.3, 2))
+    return RegionMeasurement(
+        str(rng.choice(["office", "hallway", "desk"])),
+        x,
+        y,
+        w,
+        h,
+        rng.uniform(-1.5, 1.5),
+        confidence=rng.uniform(),
+        t=edge(),
+        b=edge(),
+        l=edge(),
+        r=edge(),
+        left=sub() if rng.random() < 0.4 else None,
+        right=sub() if rng.random() < 0.4 else None,
+        links={0: rng.uniform()} if rng.random() < 0.3 else {},
+    )
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_clutter_breaks_nothing(seed: int) -> None:
+    """Whatever comes, every particle's map stays sound: finite, ordered, positive, with whole lists of links."""
+    rng = np.random.default_rng(seed)
+    slam = RegionSLAM(SlamConfig(n_particles=2, gate_associate=300, confirmed_after=1), seed=seed)
+    view = np.array([[9.0, -9], [9, 9], [-9, 9], [-9, -9]])
+    kept: list[RegionMeasurement] = []
+    for _ in range(25):
+        first = clutter(rng)
+        kept = [dataclasses.replace(first, links={}), *kept[:2], clutter(rng)]
+        for odometry in (Odometry(rng.normal(0, 0.1), 0.0, rng.normal(0, 0.1)), Odometry(0.0)):
+            belief = slam.step(odometry, Scan(kept, view=view))
+        assert belief.map is not None
+        assert np.isfinite(belief.pose_mean).all()
+        for particle, regions in zip(belief.particles, belief.regions, strict=True):
+            assert not regions["n"][particle.n_slots :].any()
+            for m in regions[regions["n"] > 0]:
+                size = 2 + 3 * int(m.n)
+                assert np.isfinite(m.state[:size]).all()
+                assert np.all(np.diff(m.state[[1, 2, 5, 8][: m.n + 1]]) > 0)
+                assert all(m.state[4 + 3 * i] > m.state[3 + 3 * i] for i in range(m.n))
+                assert np.linalg.eigvalsh(m.cov[:size, :size]).min() > -1e-9
+                assert m.main == 1 if m.n == 3 else m.main < m.n
+                assert m.closed[[2, 5][: m.n - 1]].all()  # joints are known lines
+                assert m.rival < 0 or regions[m.rival].id != m.id
+        for m in belief.features[belief.features["n"] > 0]:
+            hops, index = 0, int(m.first_link)
+            while index >= 0:
+                hops, index = hops + 1, int(belief.links[index].next)
+                assert hops <= len(belief.links)
+
+
 def test_a_scan_without_measurements_keeps_the_motion() -> None:
     slam = RegionSLAM(SlamConfig(n_particles=2), seed=0)
     belief = slam.step(Odometry(1.0, 0.0, 0.5), Scan())
@@ -249,8 +310,10 @@ def test_a_map_outgrows_its_first_arrays() -> None:
 
 @pytest.mark.parametrize("pose", [(0, 0), (0, 0, math.nan), "home"])
 def test_a_bad_start_is_refused(pose: object) -> None:
-    with pytest.raises(ValueError):
+    with pytest.raises(ValueError, match="pose is"):
         RegionSLAM(seed=0).reset(pose)  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="pose is"):
+        RegionSLAM(seed=0).step(Odometry(0.0), Scan(), pose=pose)  # type: ignore[arg-type]
 
 
 def test_bad_odometry_is_refused() -> None:

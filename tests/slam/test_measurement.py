@@ -121,3 +121,13 @@ def test_a_view_is_a_finite_polygon(view: np.ndarray) -> None:
 def test_a_view_is_made_contiguous() -> None:
     view = Scan([], view=[(0, 0), (4, 0), (0, 4)]).view  # type: ignore[arg-type]
     assert view is not None and view.dtype == np.float64 and view.flags.c_contiguous and view.shape == (3, 2)
+
+
+def test_a_closed_ring_is_opened_and_a_clockwise_one_refused() -> None:
+    """A repeated first point would make an edge without length, on whose inner side every point lies."""
+    square = [(2.0, -2), (2, 2), (-2, 2), (-2, -2)]
+    view = Scan([], view=np.array([*square, square[0]])).view
+    assert view is not None
+    np.testing.assert_array_equal(view, square)
+    with pytest.raises(ValueError, match="counter-clockwise"):
+        Scan([], view=np.array(square[::-1]))

@@ -72,11 +72,11 @@ def test_overlap_is_the_covered_share_of_the_measurement() -> None:
         RegionMeasurement("office", 3.0, 0, 4, 3, cov_xy=np.eye(2) * 1e-10, cov_wh=np.eye(2) * 1e-10, var_phi=1e-10)
     )
     pose = np.zeros(3)
-    assert covered_share(z[0, 0], m, 0, pose) == pytest.approx(0.25, abs=1e-4)  # [1, 2] of [1, 5]
-    assert covered_share(z[0, 0], mapped(ROOM, cov=1e-12, open_edges=[2]), 0, pose) == pytest.approx(1.0)
-    assert covered_share(z[0, 0], mapped(ROOM, (9, 0), cov=1e-12), 0, pose) == 0.0
+    assert covered_share(z[0, 0], m, 0, pose)[0] == pytest.approx(0.25, abs=1e-4)  # [1, 2] of [1, 5]
+    assert covered_share(z[0, 0], mapped(ROOM, cov=1e-12, open_edges=[2]), 0, pose)[0] == pytest.approx(1.0)
+    assert covered_share(z[0, 0], mapped(ROOM, (9, 0), cov=1e-12), 0, pose)[0] == 0.0
     wide = measured(RegionMeasurement("office", 3.0, 0, 4, 3, cov_xy=np.eye(2) * 0.01, cov_wh=np.eye(2) * 1e-10))
-    assert covered_share(wide[0, 0], m, 0, pose) == pytest.approx((1 + 2 * 0.1) / 4, abs=1e-3)
+    assert covered_share(wide[0, 0], m, 0, pose)[0] == pytest.approx((1 + 2 * 0.1) / 4, abs=1e-3)
 
 
 def test_scans_of_a_thin_door_support_it_in_spite_of_noise() -> None:
