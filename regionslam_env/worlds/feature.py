@@ -117,7 +117,9 @@ class Feature:
         polygon = self.polygon()
         if polygon.area < 0.999 * polygon.convex_hull.area:
             raise self.error("geometry.coordinates", "a dent", "a convex polygon: split it into several obstacles")
-        return np.asarray(shapely.get_coordinates(polygon.convex_hull.exterior)[:-1])[::-1].copy()
+        exact = polygon.area >= (1 - 1e-12) * polygon.convex_hull.area
+        corners = (polygon if exact else orient(polygon.convex_hull)).exterior
+        return np.asarray(shapely.get_coordinates(corners)[:-1])
 
     def row(self) -> Row:
         """Return the region's row: as given in the properties, else the best one for the polygon."""
