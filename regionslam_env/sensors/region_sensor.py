@@ -15,7 +15,7 @@ from regionslam_env.config import NoiseConfig, SensorConfig
 from regionslam_env.geometry import NearbyIndex, cast, ray_angles, ray_directions, segment_boxes
 from regionslam_env.sensors.distortion import distort
 from regionslam_env.sensors.partial_row import DRAWS, cut_row, turn_part, visible_run, write_part
-from regionslam_env.sensors.sight import SIGHT, look
+from regionslam_env.sensors.sight import SIGHT, look, turn_rays
 from regionslam_env.worlds.world import WorldArrays
 from slam.jit import njit
 from slam.measurement import LINK, MEASUREMENT, Scan
@@ -65,7 +65,7 @@ class RegionSensor:
         self._normals = np.zeros(max(_BLOCK, DRAWS * len(self._rows)))
         self._which = np.zeros(len(self._rows), np.int64)
         self._slots = np.full(len(self._rows), -1, np.int64)
-        self._links = np.zeros(2 * len(arrays.links), LINK)
+        self._most_links = int(np.diff(self._adjacency[0]).max(initial=0))
         self.reset(rng)
 
     def reset(self, rng: np.random.Generator) -> None:
@@ -102,8 +102,9 @@ class RegionSensor:
         self._drawn += count * DRAWS
         self.sightings[self._which[:count]] += 1
         starts, neighbours = self._adjacency
-        found = write_links(self._which, count, starts, neighbours, self._link_confidence, self._slots, self._links)
-        scan = Scan.from_records(records[:count], self._types, self._links[:found].copy(), view)
+        links = np.empty(count * self._most_links, LINK)
+        found = write_links(self._which, count, starts, neighbours, self._link_confidence, self._slots, links)
+        scan = Scan.from_records(records[:count], self._types, links[:found], view)
         noise = self._noise
         if noise.misclassification or noise.misses or noise.false_positives:
             return distort(scan, noise, self._confidence, self._rng)
@@ -166,6 +167,7 @@ def scan_regions(
     sights = np.empty((MAX_RECTANGLES, SIGHT))
     u, b, t = np.empty(MAX_RECTANGLES + 1), np.empty(MAX_RECTANGLES), np.empty(MAX_RECTANGLES)
     states = np.empty(2 + 2 * MAX_RECTANGLES, np.int64)
+    ends, turned = np.empty((2, ranges.shape[0])), math.nan
     count = 0
     for j in nearby:
         row = rows[j]
@@ -175,9 +177,12 @@ def scan_regions(
         at_u, at_v = c * (x - row.x) + s * (y - row.y), c * (y - row.y) - s * (x - row.x)
         phi = row.phi - theta
         axis = (math.cos(phi), math.sin(phi))
+        if phi != turned:  # many rows have the same heading
+            turn_rays(axis, directions, ranges, ends)
+            turned = phi
         for i in range(row.n):
             bounds = (row.u[i] - at_u, row.u[i + 1] - at_u, row.b[i] - at_v, row.t[i] - at_v)
-            look(bounds, axis, directions, ranges, reach, tolerance, sights[i])
+            look(bounds, axis, ends, ranges, reach, tolerance, sights[i])
         first, length = visible_run(row, sights, closed_length)
         if length == 0:
             continue

@@ -30,7 +30,7 @@ _ON_THE_LINE = 1e-6  # an edge whose line runs through the sensor is not seen, m
 def look(
     bounds: Bounds,
     axis: tuple[float, float],
-    directions: Floats,
+    ends: Floats,
     ranges: Floats,
     reach: float,
     tolerance: float,
@@ -44,8 +44,8 @@ def look(
         Its left, right, bottom and top along its axes, relative to the sensor, m.
     axis
         Its first axis (unit vector) in the sensor's frame.
-    directions, ranges
-        Rays in the sensor's frame, shape (2, n), and how far they see, shape (n,), m.
+    ends, ranges
+        Where the rays end, along the rectangle's axes (`turn_rays`), shape (2, n), and their lengths, shape (n,), m.
     reach
         Range of the sensor: a ray as long as this has met nothing, m.
     tolerance
@@ -66,21 +66,28 @@ def look(
             if not (near or inside or entered >= _FEWEST_RAYS):
                 seen[BOX_U], seen[BOX_U + 1] = math.inf, -math.inf
                 return
-            entered += _look_at_edge(edge, bounds, axis, directions, ranges, reach, tolerance, seen)
+            entered += _look_at_edge(edge, bounds, axis, ends, ranges, reach, tolerance, seen)
     if inside:
-        _look_around(bounds, axis, directions, ranges, seen)
+        _look_around(bounds, ends, seen)
 
 
 @njit
-def _look_around(bounds: Bounds, axis: tuple[float, float], directions: Floats, ranges: Floats, seen: Floats) -> None:
+def turn_rays(axis: tuple[float, float], directions: Floats, ranges: Floats, ends: Floats) -> None:
+    """Write where rays of the sensor's frame end, along `axis` and across it, shape (2, n)."""
+    for i in range(ranges.shape[0]):
+        ends[0, i] = ranges[i] * (axis[0] * directions[0, i] + axis[1] * directions[1, i])
+        ends[1, i] = ranges[i] * (axis[0] * directions[1, i] - axis[1] * directions[0, i])
+
+
+@njit
+def _look_around(bounds: Bounds, ends: Floats, seen: Floats) -> None:
     """Widen the box by the sensor's place and the ends of all rays inside the rectangle."""
     left, right, bottom, top = bounds
     if seen[BOX_U] <= left and seen[BOX_U + 1] >= right and seen[BOX_V] <= bottom and seen[BOX_V + 1] >= top:
         return
     least_u = most_u = least_v = most_v = 0.0
-    for i in range(ranges.shape[0]):
-        u = ranges[i] * (axis[0] * directions[0, i] + axis[1] * directions[1, i])
-        v = ranges[i] * (axis[0] * directions[1, i] - axis[1] * directions[0, i])
+    for i in range(ends.shape[1]):
+        u, v = ends[0, i], ends[1, i]
         if left - _ROUNDING <= u <= right + _ROUNDING and bottom - _ROUNDING <= v <= top + _ROUNDING:
             least_u, most_u = min(least_u, u), max(most_u, u)
             least_v, most_v = min(least_v, v), max(most_v, v)
@@ -106,7 +113,7 @@ def _look_at_edge(
     edge: int,
     bounds: Bounds,
     axis: tuple[float, float],
-    directions: Floats,
+    ends: Floats,
     ranges: Floats,
     reach: float,
     tolerance: float,
@@ -119,42 +126,38 @@ def _look_at_edge(
     left, right, bottom, top = bounds
     if edge in (TOP, BOTTOM):
         line, far, low, high = (top, bottom, left, right) if edge == TOP else (bottom, top, left, right)
-        across, along, across_x, across_y, along_x, along_y = BOX_V, BOX_U, -axis[1], axis[0], axis[0], axis[1]
+        across, along, rises, slides = BOX_V, BOX_U, ends[1], ends[0]
+        from_u, from_v, to_u, to_v = low, line, high, line
     else:
         line, far, low, high = (left, right, bottom, top) if edge == LEFT else (right, left, bottom, top)
-        across, along, across_x, across_y, along_x, along_y = BOX_U, BOX_V, axis[0], axis[1], -axis[1], axis[0]
+        across, along, rises, slides = BOX_U, BOX_V, ends[0], ends[1]
+        from_u, from_v, to_u, to_v = line, low, line, high
     side = 1.0 if line > 0 else -1.0
     distance, depth = line * side, far * side
     # A wall on the far edge is inside the rectangle, one on the near edge in front of it.
     through = distance + _ROUNDING if depth > distance else distance - _ROUNDING
+    lowest = max(distance - tolerance, _ROUNDING)
     if distance < _ON_THE_LINE or distance > reach:
         return 0
     n = ranges.shape[0]
-    first, last = _rays(
-        line * across_x + low * along_x,
-        line * across_y + low * along_y,
-        line * across_x + high * along_x,
-        line * across_y + high * along_y,
-        n,
-    )
+    first, last = _rays(from_u, from_v, to_u, to_v, axis, n)
     length, passed = 0.0, 0
     least, most, nearest, farthest = math.inf, -math.inf, math.inf, -math.inf  # of the box, along and across
-    before, run_start, at_before, last_slide, last_rise = _LOST, 0.0, 0.0, 0.0, 1.0
+    before, run_start, at_before, last_through = _LOST, 0.0, 0.0, 0
     for k in range(first, last + 2):  # one more than there are, to end the last run
         i = k if k < n else k - n
-        r = ranges[i]
-        rise = side * (across_x * directions[0, i] + across_y * directions[1, i])
-        end = r * rise
-        now, slide = _LOST, 0.0
-        if rise > 0 and end >= distance - tolerance and k <= last:
-            slide = along_x * directions[0, i] + along_y * directions[1, i]
-            if end >= through:
-                now = _THROUGH
-            elif 0 < r < reach:
-                now = _STOPPED
+        rise = side * rises[i]
+        now = _LOST
+        if rise < lowest or k > last:
+            if before == _LOST:
+                continue
+        elif rise >= through:
+            now = _THROUGH
+        elif 0 < ranges[i] < reach:
+            now = _STOPPED
         if before == _THROUGH and now != _THROUGH:
             # Within a run of rays that get through, the first and the last one tell all.
-            at_before = distance * last_slide / last_rise
+            at_before = line * slides[last_through] / rises[last_through]
             seen_here = _common(run_start, at_before, low, high)
             if seen_here > 0:
                 length += seen_here
@@ -162,21 +165,21 @@ def _look_at_edge(
                 most = max(most, min(max(run_start, at_before), high))
                 nearest, farthest = min(nearest, distance), max(farthest, distance)
         if now == _THROUGH:
+            slide = slides[i]
             if before != _THROUGH:
                 run_start = distance * slide / rise
                 if before == _STOPPED:
                     length += _common(at_before, run_start, low, high)
-            last_slide, last_rise = slide, rise
+            last_through = i
             if low * rise <= distance * slide <= high * rise:
                 passed += 1
-                stop = r * slide
-                if end <= depth + _ROUNDING and low - _ROUNDING <= stop <= high + _ROUNDING:
-                    least, most = min(least, stop), max(most, stop)
-                    nearest, farthest = min(nearest, end), max(farthest, end)
+                if rise <= depth + _ROUNDING and low - _ROUNDING <= slide <= high + _ROUNDING:
+                    least, most = min(least, slide), max(most, slide)
+                    nearest, farthest = min(nearest, rise), max(farthest, rise)
         elif now == _STOPPED:
             if before != _LOST:
-                length += _common(at_before, r * slide, low, high)
-            at_before = r * slide
+                length += _common(at_before, slides[i], low, high)
+            at_before = slides[i]
         before = now
     seen[edge] = length
     if most >= least:
@@ -194,14 +197,15 @@ def _common(start: float, stop: float, low: float, high: float) -> float:
 
 
 @njit
-def _rays(px: float, py: float, qx: float, qy: float, n: int) -> tuple[int, int]:
-    """Return the first and last ray of the beams that meet a segment from p to q (sensor frame); both may exceed n."""
-    cross = px * qy - py * qx
+def _rays(from_u: float, from_v: float, to_u: float, to_v: float, axis: tuple[float, float], n: int) -> tuple[int, int]:
+    """Return the first and last ray of the beams that point at a segment along the given axes; both may exceed n."""
+    cross = from_u * to_v - from_v * to_u
     if cross < 0:
-        px, py, qx, qy, cross = qx, qy, px, py, -cross
+        from_u, from_v, to_u, to_v, cross = to_u, to_v, from_u, from_v, -cross
     per_radian = n / (2 * math.pi)
-    start = (math.atan2(py, px) + math.pi) * per_radian
-    end = start + math.atan2(cross, px * qx + py * qy) * per_radian
+    x, y = axis[0] * from_u - axis[1] * from_v, axis[1] * from_u + axis[0] * from_v
+    start = (math.atan2(y, x) + math.pi) * per_radian
+    end = start + math.atan2(cross, from_u * to_u + from_v * to_v) * per_radian
     return math.floor(start), math.ceil(end)
 
 

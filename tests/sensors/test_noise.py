@@ -97,7 +97,7 @@ def test_a_reset_starts_the_episode_anew():
 
 
 def test_noise_goes_on_after_many_scans():
-    eye = sensor(single_room(), NOISE_SETS["standard"])
+    eye = sensor(single_room(), NOISE_SETS["standard"], n_view_rays=24)
     seen = {float(eye.measure(POSE).records[0].x) for _ in range(1000)}  # more than one block of numbers
     assert len(seen) == 1000
 
@@ -108,7 +108,7 @@ def test_no_noise_without_noise():
 
 
 def test_every_region_can_be_missed():
-    eye = sensor(two_rooms(), dataclasses.replace(NOISE_SETS["none"], misses=0.25))
+    eye = sensor(two_rooms(), dataclasses.replace(NOISE_SETS["none"], misses=0.25), n_view_rays=72)
     scans = [eye.measure(np.array([5.0, 2, 0])) for _ in range(400)]
     assert np.mean([len(scan) for scan in scans]) == pytest.approx(3 * 0.75, abs=0.2)
     for scan in scans:

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from regionslam_env.geometry import ray_directions
-from regionslam_env.sensors.sight import SIGHT, look
+from regionslam_env.sensors.sight import SIGHT, look, turn_rays
 from tests import naive
 
 RAYS = 60
@@ -11,11 +11,13 @@ RAYS = 60
 def see(bounds, ranges, angle=0.0, reach=6.0, tolerance=0.2):
     seen = np.empty(SIGHT)
     axis = (float(np.cos(angle)), float(np.sin(angle)))
-    look(bounds, axis, ray_directions(len(ranges)), ranges, reach, tolerance, seen)
+    ends = np.empty((2, len(ranges)))
+    turn_rays(axis, ray_directions(len(ranges)), ranges, ends)
+    look(bounds, axis, ends, ranges, reach, tolerance, seen)
     return seen
 
 
-def ends(ranges, angle):
+def turned(ranges, angle):
     """Return the ends of the rays in axes turned by an angle."""
     x, y = ray_directions(len(ranges)) * ranges
     c, s = np.cos(angle), np.sin(angle)
@@ -38,7 +40,7 @@ def test_same_as_the_naive_twin():
     compared = 0
     for _ in range(60):
         bounds, ranges, angle = random_case(rng)
-        rays = ends(ranges, angle)
+        rays = turned(ranges, angle)
         inside = bounds[0] <= 0 <= bounds[1] and bounds[2] <= 0 <= bounds[3]
         entering = 3 if inside else naive.rays_into(bounds, rays)
         seen = see(bounds, ranges, angle)
