@@ -195,13 +195,15 @@ class Observer:
         if len(belief.types) != len(self._type_columns):
             self._learn_types(belief.types)
         size = self._sizes
+        regions = np.zeros((size["regions_mask"], RegionColumn.TYPES + len(self.types)), np.float32)
+        links = np.zeros((size["links_mask"], LINK_COLUMNS), np.float32)
         observation: Observation = {
             "pose": np.empty(4, np.float32),
             "pose_cov": np.empty(9, np.float32),
             "velocity": np.empty(2, np.float32),
-            "regions": np.zeros(size["regions"], np.float32),
+            "regions": regions.reshape(-1),
             "regions_mask": np.zeros(size["regions_mask"], np.int8),
-            "links": np.zeros(size["links"], np.float32),
+            "links": links.reshape(-1),
             "links_mask": np.zeros(size["links_mask"], np.int8),
             "lidar": np.empty(size["lidar"], np.float32),
             "goal": np.zeros(size["goal"], np.float32),
@@ -225,9 +227,9 @@ class Observer:
             done,
         )
         slots.write_map(
-            observation["regions"],
+            regions,
             observation["regions_mask"],
-            observation["links"],
+            links,
             observation["links_mask"],
             self._ids,
             self._places,

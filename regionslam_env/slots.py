@@ -111,20 +111,23 @@ def assign(
             places[slot] = place_of(regions, ids[slot], places[slot], confirmed_after)
             if places[slot] >= 0:
                 taken[places[slot]] = True
-    costs = np.full(len(ids), -1.0)
+    costs = np.zeros(len(ids))  # 0: not known yet
     for place in range(len(regions)):
         if taken[place] or not shown(regions[place], confirmed_after):
             continue
         slot = free_slot(ids, places)
         if slot < 0:
             for other in range(len(ids)):
-                if costs[other] < 0:
+                if costs[other] == 0:
                     is_goal = types[regions[places[other]].type] == goal
                     costs[other] = cost(regions, links, places[other], x, y, is_goal)
-            slot = int(np.argmax(costs))
+            slot = 0
+            for other in range(len(ids)):
+                if costs[other] > costs[slot]:
+                    slot = other
             if cost(regions, links, place, x, y, types[regions[place].type] == goal) > _STAYS * costs[slot]:
                 continue
-        ids[slot], places[slot], costs[slot] = regions[place].id, place, -1.0
+        ids[slot], places[slot], costs[slot] = regions[place].id, place, 0.0
 
 
 @njit
@@ -265,7 +268,8 @@ def write_links(
                 p = probabilities[kind, first, second]
                 if p >= _WEAKEST_LINK:
                     count = insert_link(rows, count, first, second, p, kind)
-    mask[:count] = 1
+    for row in range(count):
+        mask[row] = 1
 
 
 @njit
@@ -277,7 +281,8 @@ def insert_link(rows: Floats, count: int, first: int, second: int, p: float, kin
             return count
         k -= 1
     while k > 0 and rows[k - 1, 2] < np.float32(p):
-        rows[k] = rows[k - 1]
+        for column in range(4):
+            rows[k, column] = rows[k - 1, column]
         k -= 1
     rows[k, 0], rows[k, 1], rows[k, 2], rows[k, 3] = first, second, p, kind
     return min(count + 1, len(rows))
@@ -301,19 +306,22 @@ def write_map(
     goal: int,
     confirmed_after: int,
 ) -> None:
-    """Write the heaviest particle's map into an observation's tables (zeros so far), after updating the slots.
+    """Write the heaviest particle's map into an observation's tables, zeros so far, after updating the slots.
+
+    `regions` has shape (S, TYPES + n_types), `links` (L, 4), the masks (S,) and (L,).
 
     `pose` is the particle's pose, `believed` its regions and `beliefs` its links; `types` maps the filter's types to
     columns.
     """
     assign(ids, places, believed, beliefs, pose, types, goal, confirmed_after)
-    rows = regions.reshape((len(ids), TYPES + n_types))
-    slots = np.full(len(believed), -1)
+    slots = np.empty(len(believed), np.int64)
+    for place in range(len(believed)):
+        slots[place] = -1
     for slot in range(len(ids)):
         if places[slot] >= 0:
             slots[places[slot]] = slot
             regions_mask[slot] = 1
-            write_region(rows[slot], believed[places[slot]], pose)
-    write_types(rows, slots, believed, types, n_types)
-    write_contains_me(rows, ids, places, particles, maps, confirmed_after)
-    write_links(links.reshape((len(links) // 4, 4)), links_mask, places, slots, believed, beliefs)
+            write_region(regions[slot], believed[places[slot]], pose)
+    write_types(regions, slots, believed, types, n_types)
+    write_contains_me(regions, ids, places, particles, maps, confirmed_after)
+    write_links(links, links_mask, places, slots, believed, beliefs)

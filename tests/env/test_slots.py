@@ -28,21 +28,20 @@ class Tables:
 
     def write(self, belief, heaviest=0):
         n = len(self.ids)
-        self.regions = np.zeros(n * (C.TYPES + N_TYPES), np.float32)
+        self.rows = np.zeros((n, C.TYPES + N_TYPES), np.float32)
         self.mask, self.links_mask = np.zeros(n, np.int8), np.zeros(4 * n, np.int8)
-        self.links = np.zeros(16 * n, np.float32)
+        self.links = np.zeros((4 * n, 4), np.float32)
         s = belief.set
         slots.write_map(
-            *(self.regions, self.mask, self.links, self.links_mask, self.ids, self.places),
+            *(self.rows, self.mask, self.links, self.links_mask, self.ids, self.places),
             *(s.particles[heaviest]["pose"], s.regions[heaviest, : s.particles[heaviest].n_slots], s.links[heaviest]),
             *(s.particles, s.regions, self.types, N_TYPES, self.goal, 3),
         )
-        self.rows = self.regions.reshape(n, -1)
         return self
 
     @property
     def link_rows(self):
-        return self.links.reshape(-1, 4)[self.links_mask == 1].astype(float).round(4).tolist()
+        return self.links[self.links_mask == 1].astype(float).round(4).tolist()
 
 
 def test_a_row_of_three_rectangles_in_the_robots_frame():
