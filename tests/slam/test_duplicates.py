@@ -66,8 +66,20 @@ def test_two_regions_of_one_scan_are_two() -> None:
     assert regions["n"][0, :2].tolist() == [1, 1]
 
 
-def test_a_region_of_its_own_size_inside_another_of_its_type_stays() -> None:
-    regions = maps(mapped(ROOM, cov=0.01), mapped([0, -0.4, 0.4, -0.3, 0.3], cov=0.01))
+def test_twins_that_contradict_each_other_become_one_all_the_same() -> None:
+    """Drift between two visits: metres decide, and the richer geometry is kept under the older identity."""
+    poor = mapped(ROOM, (0, 0), 1e-5, open_edges=[2, 4])
+    regions = maps(poor, mapped(ROOM, (0.8, 0.3), 1e-5))
+    resolve(regions, 0)
+    assert regions["n"][0, :2].tolist() == [1, 0]
+    m = regions[0, 0]
+    assert m.id == 100
+    np.testing.assert_allclose(m.anchor, [0.8, 0.3])
+    assert m.closed[:5].all()
+
+
+def test_regions_that_overlap_by_noise_stay() -> None:
+    regions = maps(mapped(ROOM, (0, 0), 0.01), mapped(ROOM, (3.4, 0), 0.01))
     resolve(regions, 0)
     assert regions["n"][0, :2].tolist() == [1, 1]
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from slam.edge_form import state_size
-from slam.extent import area, contains, point_in_rectangle, probabilities_inside, probability_inside
+from slam.extent import area, contains, overlap, point_in_rectangle, probabilities_inside, probability_inside
 from tests.slam import naive
-from tests.slam.drawn import mapped, random_state
+from tests.slam.drawn import mapped, maps, random_state
 
 
 @pytest.mark.parametrize("n", [1, 2, 3])
@@ -47,11 +47,17 @@ def test_a_certain_robot_is_inside_or_not() -> None:
 
 
 def test_only_confirmed_and_credible_regions_count() -> None:
-    from tests.slam.drawn import maps
-
     regions = maps(*(mapped([0, -2, 2, -1, 1]) for _ in range(3)))[0]
     regions["sightings"][:3] = 3, 2, 5
     regions["rival"][2] = 0
     out = np.empty(8)
     probabilities_inside(regions, np.zeros(3), np.zeros((3, 3)), 3, out)
     np.testing.assert_allclose(out, [1, 0, 0, 0, 0, 0, 0, 0])
+
+
+def test_overlap_of_two_regions_by_hand() -> None:
+    a = mapped([0, -2, 2, -1, 1], (1, 0))
+    assert overlap(a, a) == pytest.approx(8.0)
+    assert overlap(a, mapped([np.pi / 2, -2, 2, -1, 1], (1, 0))) == pytest.approx(4.0)  # a cross
+    assert overlap(a, mapped([0, -2, 2, -1, 1], (4, 0.5))) == pytest.approx(1.0 * 1.5)
+    assert overlap(a, mapped([0, -2, 0, -3, 0, 1, 0, 5], (3, 0))) == pytest.approx(2.0)

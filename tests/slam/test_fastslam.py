@@ -136,7 +136,7 @@ def test_one_seed_gives_one_belief(beliefs: list[Belief], drive: tuple[Course, l
     assert not np.array_equal(beliefs[2].pose, other[2].pose)
 
 
-@pytest.mark.parametrize("start", [(5.0, -3.0, 0.0), (-2.0, 7.0, 2.1), (0.0, 0.0, math.pi)])
+@pytest.mark.parametrize("start", [(-2.0, 7.0, 2.1), (0.0, 0.0, math.pi)])
 def test_a_rigid_motion_of_the_start_moves_the_belief_along(
     start: tuple[float, float, float], beliefs: list[Belief], drive: tuple[Course, list[np.ndarray]]
 ) -> None:
@@ -226,14 +226,14 @@ def clutter(rng: np.random.Generator) -> RegionMeasurement:
     )
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(2))
 def test_clutter_breaks_nothing(seed: int) -> None:
     """Whatever comes, every particle's map stays sound: finite, ordered, positive, with whole lists of links."""
     rng = np.random.default_rng(seed)
     slam = RegionSLAM(SlamConfig(n_particles=2, gate_associate=300, confirmed_after=1), seed=seed)
     view = np.array([[9.0, -9], [9, 9], [-9, 9], [-9, -9]])
     kept: list[RegionMeasurement] = []
-    for _ in range(25):
+    for _ in range(15):
         first = clutter(rng)
         kept = [dataclasses.replace(first, links={}), *kept[:2], clutter(rng)]
         for odometry in (Odometry(rng.normal(0, 0.1), 0.0, rng.normal(0, 0.1)), Odometry(0.0)):
