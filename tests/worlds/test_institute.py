@@ -8,6 +8,7 @@ from regionslam_env.worlds.floorplan import distance_to_edges
 from regionslam_env.worlds.geodesic import Geodesic
 from regionslam_env.worlds.loading import load
 from regionslam_env.worlds.reachability import unreachable
+from tests.worlds.plans import compiled_only
 
 
 @pytest.fixture(scope="module")
@@ -44,6 +45,7 @@ def test_hallways_need_two_and_three_rectangles_and_form_a_loop(institute):
     assert len(networkx.cycle_basis(graph)) >= 2
 
 
+@compiled_only
 def test_everything_can_be_reached_with_room_to_spare(institute):
     assert unreachable(institute, radius=0.3) == ()
 
@@ -84,6 +86,7 @@ def test_rooms_do_not_overlap(institute):
     assert np.sum([r.row.contains(points) for r in rooms], axis=0).max() == 1
 
 
+@compiled_only
 @pytest.mark.parametrize("goal", ["kitchen", "meeting room"])
 def test_starts_far_from_the_goal_exist(institute, goal):
     geodesic = Geodesic(institute)

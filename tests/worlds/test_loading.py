@@ -47,5 +47,5 @@ def test_what_is_not_there_is_named(name, message):
 def test_an_unknown_ending_is_named(tmp_path):
     path = tmp_path / "plan.dwg"
     path.write_bytes(b"AC1027")
-    with pytest.raises(WorldError, match="ending '.dwg', expected one of .geojson"):
+    with pytest.raises(WorldError, match=r"ending '\.dwg', expected one of \.geojson"):
         load(path)

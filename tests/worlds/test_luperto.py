@@ -8,7 +8,7 @@ from regionslam_env.worlds.geodesic import Geodesic
 from regionslam_env.worlds.importers.luperto import load_luperto, plan_scale, type_of
 from regionslam_env.worlds.loading import load
 from regionslam_env.worlds.reachability import unreachable
-from tests.worlds.plans import LUPERTO, MISSING
+from tests.worlds.plans import LUPERTO, MISSING, compiled_only
 
 ROOMS = {
     "c": ("CORRIDOR", [(0, 100), (300, 100), (300, 140), (0, 140)]),
@@ -142,6 +142,7 @@ def test_any_damage_gives_a_world_or_an_error(tmp_path, data):
 
 @pytest.mark.skipif(not LUPERTO, reason=MISSING)
 @pytest.mark.parametrize("path", LUPERTO, ids=lambda path: path.stem)
+@compiled_only
 def test_real_buildings_can_be_driven_through(path):
     world = load(path)
     hallways = [region.id for region in world.regions_of_type("hallway")]
