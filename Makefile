@@ -36,17 +36,17 @@ $(VENV)/.created:
 	@touch $@
 
 $(VENV)/.core: $(VENV)/.created $(SETUP)
-	$(PIP) install -q -c constraints.txt -e .
+	$(PIP) install -q --no-compile -c constraints.txt -e .
 	@touch $@
 
 # PyPI's torch for Linux brings 3 GB of CUDA: take a CPU wheel that pip is set up with, else PyTorch's own CPU index.
 $(VENV)/.test: $(VENV)/.core
-	@$(PIP) install -q --no-deps --no-index "$(TORCH)" 2>/dev/null \
-		|| $(PIP) install -q --no-deps --retries 1 --timeout 20 --index-url https://download.pytorch.org/whl/cpu "$(TORCH)" 2>/dev/null \
+	@$(PIP) install -q --no-compile --no-deps --no-index "$(TORCH)" 2>/dev/null \
+		|| $(PIP) install -q --no-compile --no-deps --retries 1 --timeout 20 --index-url https://download.pytorch.org/whl/cpu "$(TORCH)" 2>/dev/null \
 		|| true
-	$(PIP) install -q -c constraints.txt -e ".[test]"
+	$(PIP) install -q --no-compile -c constraints.txt -e ".[test]"
 	@touch $@
 
 $(VENV)/.check: $(VENV)/.core
-	$(PIP) install -q -c constraints.txt -e ".[check]"
+	$(PIP) install -q --no-compile -c constraints.txt -e ".[check]"
 	@touch $@

@@ -83,6 +83,8 @@ def evaluate(
     seed: Annotated[int, typer.Option(min=0, help="Seed of the first episode; the next ones follow.")] = 0,
     world: Annotated[str | None, typer.Option(help="A built-in world or the file of one.")] = None,
     goal: Annotated[str | None, typer.Option(help="Semantic type to go to; by default one drawn per episode.")] = None,
+    split: Annotated[str | None, typer.Option(help="train, val or test: disjoint seeds.")] = None,
+    localization: Annotated[str | None, typer.Option(help="slam, oracle or odometry.")] = None,
     json: Json = False,
 ) -> int:
     """Evaluate an agent: means with 95 % confidence intervals."""
@@ -95,7 +97,7 @@ def evaluate(
     trained = {} if model is None else model.regionslam
     default = "RegionSLAM/GoTo-Declare-v0" if agent == "scripted" else "RegionSLAM/GoTo-v0"
     env_id = check_environment(env or trained.get("env_id", default))
-    kwargs = {**trained.get("env_kwargs", {}), **_given(world=world, goal=goal)}
+    kwargs = {**trained.get("env_kwargs", {}), **_given(world=world, goal=goal, split=split, localization=localization)}
     environment = gymnasium.make(env_id, **kwargs)
     with _bar() as progress:
         task = progress.add_task("episodes", total=episodes)

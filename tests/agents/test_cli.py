@@ -87,6 +87,7 @@ def test_a_failed_mission_has_exit_code_1(monkeypatch):
         (("evaluate", "no/such.zip"), ("no/such.zip",)),
         (("evaluate", "random", "--env", "RegionSLAM/GoTo-v1"), ("GoTo-v1", "RegionSLAM/GoTo-v0")),
         (("evaluate", "random", "--goal", "kitchn"), ("kitchn", "kitchen")),
+        (("evaluate", "random", "--split", "tests"), ("tests", "'test'")),
         (("train", "--env", "CartPole-v1"), ("CartPole-v1", "RegionSLAM/GoTo-v0")),
         (("benchmark", "envs"), ("envs", "'env'")),
         (("world", "show", "institut"), ("institut", "institute")),
@@ -138,6 +139,15 @@ def test_a_world_survives_import_and_validation(tmp_path):
     assert imported["regions"] == len(load("institute").regions)
     valid = last_json(invoke("world", "validate", copy, "--json"))
     assert valid["valid"] is True and valid["unreachable"] == []
+
+
+def test_evaluation_prints_means_and_intervals():
+    result = invoke("evaluate", "random", "--episodes", 2, "--split", "test", "--goal", "kitchen", "--json")
+    assert result.exit_code == 0, result.output
+    values = last_json(result)
+    assert values["episodes"] == 2 and values["metrics"]["spl"]["n"] == 2
+    assert values["metrics"]["false_arrival"]["n"] == 0  # nothing to declare in GoTo-v0
+    assert "95 % interval" in result.stdout
 
 
 def test_help_needs_no_environment():
