@@ -163,3 +163,11 @@ def test_association_leads_to_the_same_map_from_either_end() -> None:
     fuse(scan[0, a.turn], m, a.offset, np.zeros(3), workspace())
     np.testing.assert_allclose(m.state[:8], [0, -3, -1, -1, 1, 2, -2, 2], atol=1e-9)
     assert m.cov[1, 1] < 0.01
+
+
+def test_a_glimpse_begins_no_region() -> None:
+    """One closed edge of a small patch says too little; two edges or a large patch are enough."""
+    patch = {"w": 1.5, "h": 1.5, "l": OPEN, "b": OPEN}
+    assert slots(measured(seen(3, r=OPEN, **patch))) == [AMBIGUOUS]
+    assert slots(measured(seen(3, **patch))) == [NEW]
+    assert slots(measured(seen(3, l=OPEN, b=OPEN, r=OPEN))) == [NEW]
