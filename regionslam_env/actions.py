@@ -36,12 +36,10 @@ def read_action(action: ArrayLike, size: int) -> Action:
     ValueError
         For another number of components, or one that is not a number.
     """
-    values = np.asarray(action, dtype=np.float64).tolist()
-    if not isinstance(values, list) or len(values) != size or not all(map(math.isfinite, values)):
+    values = np.asarray(action)
+    if values.shape != (size,):
         raise ValueError(f"action is {action!r}, expected {size} finite numbers in [-1, 1]")
-    forward, turn = values[:2]
-    return Action(
-        min(1.0, max(-1.0, forward)),
-        min(1.0, max(-1.0, turn)),
-        size == 3 and values[2] > 0,
-    )
+    forward, turn, *declare = values.tolist()
+    if not (math.isfinite(forward) and math.isfinite(turn) and all(map(math.isfinite, declare))):
+        raise ValueError(f"action is {action!r}, expected {size} finite numbers in [-1, 1]")
+    return Action(min(1.0, max(-1.0, forward)), min(1.0, max(-1.0, turn)), size == 3 and declare[0] > 0)

@@ -245,7 +245,9 @@ def write_links(
     containment the second is inside the first.
     """
     n = len(places)
-    probabilities = np.zeros((2, n, n), np.float64)
+    probabilities = np.zeros((2, n, n), np.float32)
+    found = np.empty((2 * n * n, 3), np.int64)
+    n_found = 0
     for slot in range(n):
         if places[slot] < 0:
             continue
@@ -260,14 +262,17 @@ def write_links(
                 continue
             first, second = (other, slot) if link.kind == INSIDE or other < slot else (slot, other)
             kind = 1 if link.kind == INSIDE else 0
-            probabilities[kind, first, second] = max(probabilities[kind, first, second], sigmoid(link.log_odds))
+            p = sigmoid(link.log_odds)
+            if p < _WEAKEST_LINK:
+                continue
+            if probabilities[kind, first, second] == 0:
+                found[n_found, 0], found[n_found, 1], found[n_found, 2] = kind, first, second
+                n_found += 1
+            probabilities[kind, first, second] = max(probabilities[kind, first, second], p)
     count = 0
-    for kind in range(2):
-        for first in range(n):
-            for second in range(n):
-                p = probabilities[kind, first, second]
-                if p >= _WEAKEST_LINK:
-                    count = insert_link(rows, count, first, second, p, kind)
+    for i in range(n_found):
+        kind, first, second = found[i, 0], found[i, 1], found[i, 2]
+        count = insert_link(rows, count, first, second, probabilities[kind, first, second], kind)
     for row in range(count):
         mask[row] = 1
 
@@ -275,16 +280,16 @@ def write_links(
 @njit
 def insert_link(rows: Floats, count: int, first: int, second: int, p: float, kind: int) -> int:
     """Insert a link behind all that are at least as probable; return how many rows are used now."""
-    k = count
+    k, probability = count, np.float32(p)
     if k == len(rows):
-        if np.float32(p) <= rows[k - 1, 2]:
+        if probability <= rows[k - 1, 2]:
             return count
         k -= 1
-    while k > 0 and rows[k - 1, 2] < np.float32(p):
+    while k > 0 and rows[k - 1, 2] < probability:
         for column in range(4):
             rows[k, column] = rows[k - 1, column]
         k -= 1
-    rows[k, 0], rows[k, 1], rows[k, 2], rows[k, 3] = first, second, p, kind
+    rows[k, 0], rows[k, 1], rows[k, 2], rows[k, 3] = first, second, probability, kind
     return min(count + 1, len(rows))
 
 
