@@ -46,20 +46,19 @@ def draw_regions(panel: Panel, view: Viewport, shapes: Sequence[Shape], goal: st
         corners = view.pixels(shape.rectangles.reshape(-1, 2))
         for i in range(0, len(corners), 4):
             panel.polygon(corners[i : i + 4], fill)
+        if shape.type == goal:
+            outline = view.pixels(shape.row.outline())
+            panel.line([*outline, outline[0], outline[1]], GOAL, max(edge, wall_width(view)) + 3.5)
         if edge > 0:
             _draw_edges(panel, view, shape, edge)
     for shape in shapes:
         if shape.type not in SMALL:
             _label(panel, view, shape, goal)
-    mark_goals(panel, view, shapes, goal)
 
 
-def mark_goals(panel: Panel, view: Viewport, shapes: Sequence[Shape], goal: str | None) -> None:
-    """Outline the regions of the goal type."""
-    for shape in shapes:
-        if shape.type == goal:
-            outline = view.pixels(shape.row.outline())
-            panel.line([*outline, outline[0], outline[1]], GOAL, 3.0)
+def wall_width(view: Viewport) -> float:
+    """Return the width of true walls, px: 0.1 m as in the physics, but never too thin to see."""
+    return max(1.6, 0.1 * view.scale)
 
 
 def _draw_edges(panel: Panel, view: Viewport, shape: Shape, width: float) -> None:
@@ -141,7 +140,7 @@ def draw_world(panel: Panel, view: Viewport, world: World, shapes: Sequence[Shap
     for obstacle in world.obstacles:
         corners = view.pixels(obstacle)
         panel.line([*corners, corners[0], corners[1]], blend(INK, FLOOR, 0.35), 1.0)
-    thickness = max(1.6, 0.1 * view.scale)
+    thickness = wall_width(view)
     ends = view.pixels(world.walls.reshape(-1, 2))
     for a, b in zip(ends[::2], ends[1::2], strict=True):
         if not panel.shows(a, b):
@@ -149,7 +148,6 @@ def draw_world(panel: Panel, view: Viewport, world: World, shapes: Sequence[Shap
         panel.line([a, b], INK, thickness)
         for end in (a, b):
             panel.disc(end, thickness / 2, INK)
-    mark_goals(panel, view, shapes, goal)
 
 
 def draw_lidar(
