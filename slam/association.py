@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from slam.edge_form import turn
+from slam.extent import area
 from slam.innovation import (
     SLACK,
     correspond,
@@ -50,6 +51,9 @@ CANDIDATE = np.dtype(
 """A measurement and a region that could be the same place."""
 
 CANDIDATES_PER_MEASUREMENT = 12
+
+LARGE_AREA = 4.0
+"""Area (m²) of a view that makes a region even where hardly an edge is seen."""
 
 MARGIN = 1.0
 """Distance (m) beyond which regions that do not touch are not compared."""
@@ -92,7 +96,13 @@ def associate(
                         candidates[i, n].z, candidates[i, n].slot = z, near[j]
                         n += 1
         n_candidates[i] = n
-        assign(candidates[i, :n], associations[i], len(measured), regions.shape[1], p)
+        assign(candidates[i, :n], associations[i], measured, regions.shape[1], p)
+
+
+@njit
+def can_be_born(z: Record) -> bool:
+    """Say whether a measurement shows enough of a place to begin a region: two closed edges, or a large area."""
+    return n_closed(z) >= 3 or area(z) >= LARGE_AREA
 
 
 @njit
@@ -177,10 +187,10 @@ def compare(
 
 
 @njit
-def assign(candidates: Array, associations: Array, n_measurements: int, n_slots: int, p: Record) -> None:
+def assign(candidates: Array, associations: Array, measured: Array, n_slots: int, p: Record) -> None:
     """Give each measurement the region that explains it best, each region once, the most likely pairs first."""
-    for z in range(n_measurements):
-        associations[z].slot = NEW
+    for z in range(len(measured)):
+        associations[z].slot = NEW if can_be_born(measured[z, 0]) else AMBIGUOUS
     taken = np.zeros(n_slots, np.bool_)
     open_pairs = np.zeros(len(candidates), np.bool_)
     for c in range(len(candidates)):

@@ -43,8 +43,8 @@ class SlamConfig:
     motion_noise: MotionNoise = field(default_factory=MotionNoise)
     measurement_noise: MeasurementNoise = field(default_factory=MeasurementNoise)
     sensor_range: float = 8.0
-    gate_associate: float = 100.0
-    gate_new: float = 300.0
+    gate_associate: float = 50.0
+    gate_new: float = 200.0
     resample_below: float = 0.5
     prior_type: float = 0.5
     prior_link: float = 0.2

@@ -8,15 +8,18 @@ import numpy as np
 
 from slam.association import CANDIDATE, compare, find_near
 from slam.edge_form import turn
-from slam.extent import area, contains, point_in_rectangle
+from slam.extent import area, contains, overlap, point_in_rectangle
 from slam.geometric_update import fuse, take_row
-from slam.innovation import workspace
+from slam.innovation import n_closed, workspace
 from slam.jit import Array, Record, njit
 from slam.particles import PARTICLE
 from slam.region import MAX_STATE, REGION
 
 MARGIN = 0.3
 """Centres within this distance (m) of the other region make two regions candidates for one place."""
+
+TWIN_OVERLAP = 0.5
+"""Share of the smaller of two regions of one type from which they cannot both be there."""
 
 
 @njit
@@ -51,11 +54,11 @@ def resolve_duplicates(
                 if a.type != b.type:
                     if are_rivals(a, b):
                         rank(regions[i], slot, other)
-                elif not seen[other]:
+                elif not seen[other] and are_twins(a, b):
                     # Two regions of one scan are two regions, so only an unseen one can be the twin.
                     older, younger = (a, b) if a.id < b.id else (b, a)
-                    if merge(younger, older, p, work, scratch, candidate[0], stand[0]):
-                        younger.n = 0
+                    merge(younger, older, p, work, scratch, candidate[0], stand[0])
+                    younger.n = 0
                 if regions[i, slot].n == 0:
                     break
         for z in range(len(measured)):
@@ -88,9 +91,13 @@ def share_place(a: Record, b: Record) -> Any:
 
 @njit
 def are_rivals(a: Record, b: Record) -> bool:
-    """Say whether two regions are hypotheses for one place: two types, alike in size, each around the other's centre."""
-    if a.n == 0 or b.n == 0 or a.type == b.type:
-        return False
+    """Say whether two regions are hypotheses for one place: two types, alike in size, around each other."""
+    return a.n > 0 and b.n > 0 and a.type != b.type and coincide(a, b)
+
+
+@njit
+def coincide(a: Record, b: Record) -> bool:
+    """Say whether two regions are alike in size, each around the other's centre."""
     size_a, size_b = area(a), area(b)
     if min(size_a, size_b) < 0.5 * max(size_a, size_b):
         return False
@@ -114,13 +121,22 @@ def rank(regions: Array, i: int, j: int) -> None:
 
 
 @njit
+def are_twins(a: Record, b: Record) -> bool:
+    """Say whether two regions of one type take the same place, which no two real ones do.
+
+    It is a question of metres, not of covariances: those leave out how far the particle drifted between its visits.
+    """
+    return coincide(a, b) or overlap(a, b) > TWIN_OVERLAP * min(area(a), area(b))
+
+
+@njit
 def merge(
     younger: Record, older: Record, p: Record, work: Record, descriptions: Record, candidate: Record, stand: Record
-) -> bool:
-    """Fuse a region into an older one of its type where both can be one place; say whether they could.
+) -> None:
+    """Make one region of two of a type, under the older identity.
 
     Given the trajectory the two estimates are independent, so the younger one is taken as a measurement made from its
-    anchor.
+    anchor. If they contradict each other, the geometry with more edges and sightings is kept.
     """
     stand.pose[0], stand.pose[1], stand.pose[2] = younger.anchor[0], younger.anchor[1], 0.0
     for quarters in range(4):
@@ -128,20 +144,19 @@ def merge(
         for k in range(1, MAX_STATE):
             if descriptions[quarters].closed[k] == 0:
                 descriptions[quarters].cov[k, k] = 0.0
-    if not compare(descriptions, older, stand, p, work, descriptions[4], candidate):
-        return False
-    if candidate.distance > p.gate_associate:
-        return False
-    if candidate.turn_map:
-        turn(older, 1, descriptions[4])
-        take_row(descriptions[4], older)
-    fuse(descriptions[candidate.turn], older, candidate.offset, stand.pose, work)
+    alike = compare(descriptions, older, stand, p, work, descriptions[4], candidate)
+    if alike and candidate.distance < p.gate_associate:
+        if candidate.turn_map:
+            turn(older, 1, descriptions[4])
+            take_row(descriptions[4], older)
+        fuse(descriptions[candidate.turn], older, candidate.offset, stand.pose, work)
+    elif (n_closed(younger), younger.sightings) > (n_closed(older), older.sightings):
+        take_row(younger, older)
     older.sightings += younger.sightings
     older.last_seen = max(older.last_seen, younger.last_seen)
     older.existence = max(older.existence, younger.existence)
     older.type_log_odds = max(older.type_log_odds, younger.type_log_odds)
     older.visited = max(older.visited, younger.visited)
-    return True
 
 
 def duplicate_scratch() -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -8,7 +8,9 @@ from typing import Any
 import numpy as np
 
 from slam.jit import Array, Record, njit
+from slam.overlap import rows_overlap
 from slam.region import b_index, u_index
+from slam.rows import MAX_RECTANGLES
 
 
 @njit
@@ -41,6 +43,27 @@ def area(region: Record) -> Any:
         k = b_index(i)
         total += (region.state[u_index(i + 1)] - region.state[u_index(i)]) * (region.state[k + 1] - region.state[k])
     return total
+
+
+@njit
+def overlap(a: Record, b: Record) -> float:
+    """Return the area that two regions have in common, m²."""
+    ua, ba, ta = edges_of(a)
+    ub, bb, tb = edges_of(b)
+    return rows_overlap(
+        a.anchor[0], a.anchor[1], a.state[0], ua, ba, ta, a.n, b.anchor[0], b.anchor[1], b.state[0], ub, bb, tb, b.n
+    )
+
+
+@njit
+def edges_of(region: Record) -> Any:
+    """Return the boundaries (4,), bottoms (3,) and tops (3,) of a row."""
+    u, b, t = np.zeros(MAX_RECTANGLES + 1), np.zeros(MAX_RECTANGLES), np.zeros(MAX_RECTANGLES)
+    for k in range(region.n + 1):
+        u[k] = region.state[u_index(k)]
+    for i in range(region.n):
+        b[i], t[i] = region.state[b_index(i)], region.state[b_index(i) + 1]
+    return u, b, t
 
 
 @njit

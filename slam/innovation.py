@@ -24,6 +24,9 @@ from slam.region import MAX_STATE, b_index, u_index
 SLACK = 0.1**2
 """Variance (m²) granted to a bound: views end at rays, annotated regions at walls."""
 
+DRIFT = 0.3
+"""Distance (m) by which a place seen again may be displaced from its region."""
+
 
 class Workspace(NamedTuple):
     """Scratch arrays of one comparison."""
@@ -127,13 +130,13 @@ def _apart(z: Record, m: Record, i0: int, i1: int, j0: int, j1: int, shift: floa
     """Return what it costs that two rectangles hardly overlap along an axis: two glimpses in one line are two regions.
 
     A gap costs its squared, normalised width. Without a common closed edge to place them, half of the smaller extent
-    must overlap, or offices side by side, each with its far walls unseen, would grow into one.
+    must overlap (give or take DRIFT), or offices side by side, each with its far walls unseen, would grow into one.
     """
     z0, z1 = z.state[i0], z.state[i1]
     m0, m1 = m.state[j0] + shift, m.state[j1] + shift
     overlap = min(z1, m1) - max(z0, m0)
     placed = (z.closed[i0] and m.closed[j0]) or (z.closed[i1] and m.closed[j1])
-    if not placed and overlap < 0.5 * min(z1 - z0, m1 - m0):
+    if not placed and overlap < 0.5 * min(z1 - z0, m1 - m0) - DRIFT:
         return np.inf
     return overlap * overlap / (2 * slack) if overlap < 0.0 else 0.0
 
