@@ -41,7 +41,7 @@ def draw_regions(panel: Panel, view: Viewport, shapes: Sequence[Shape], goal: st
         Line width of edges, px; 0 leaves them to the walls of the true world.
     """
     shapes = [shape for shape in shapes if _visible(panel, view, shape)]
-    for shape in sorted(shapes, key=lambda s: -s.row.area):
+    for shape in sorted(shapes, key=lambda s: -s.area):
         fill = blend(PAPER, type_colour(shape.type), 0.35 + 0.65 * shape.certainty)
         corners = view.pixels(shape.rectangles.reshape(-1, 2))
         for i in range(0, len(corners), 4):
@@ -108,13 +108,13 @@ def draw_links(panel: Panel, view: Viewport, shapes: Sequence[Shape]) -> None:
             pair = frozenset((shape.id, other))
             if other in by_id and pair not in drawn:
                 drawn.add(pair)
-                small, large = sorted((shape, by_id[other]), key=lambda s: s.row.area)
-                here, there = view.pixels(np.array([small.row.centre, _nearest_inside(large, small.row.centre)]))
+                small, large = sorted((shape, by_id[other]), key=lambda s: s.area)
+                here, there = view.pixels(np.array([small.centre, _nearest_inside(large, small.centre)]))
                 panel.line([here, there], LINK, 1.4)
                 panel.disc(here, 2.4, LINK)
                 panel.disc(there, 2.4, LINK)
         if shape.parent in by_id:
-            here, there = view.pixels([shape.row.centre, by_id[shape.parent].row.centre])
+            here, there = view.pixels([shape.centre, by_id[shape.parent].centre])
             panel.dashes(here, there, blend(LINK, PAPER, 0.2), 1.0)
 
 
@@ -159,9 +159,7 @@ def draw_lidar(
     pixels = view.seen_from(pose).pixels(points)
     panel.polygon(pixels, LIDAR, LIDAR_SHARE)
     if dots:
-        for pixel, distance in zip(pixels, ranges, strict=True):
-            if distance < 0.999 * max_range:
-                panel.disc(pixel, 1.4, LIDAR)
+        panel.dots([p for p, distance in zip(pixels, ranges, strict=True) if distance < 0.999 * max_range], LIDAR)
 
 
 def draw_path(panel: Panel, view: Viewport, path: ArrayLike, colour: Colour, width: float = 2.0) -> None:

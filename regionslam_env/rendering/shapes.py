@@ -51,6 +51,16 @@ class Shape:
         return self.row.rectangles()
 
     @cached_property
+    def area(self) -> float:
+        """Area, m²."""
+        return self.row.area
+
+    @cached_property
+    def centre(self) -> tuple[float, float]:
+        """Centre of area, m."""
+        return self.row.centre
+
+    @cached_property
     def extent(self) -> tuple[float, float, float, float]:
         """Smallest x and y, largest x and y, m."""
         (x0, y0), (x1, y1) = self.rectangles.min(axis=(0, 1)), self.rectangles.max(axis=(0, 1))

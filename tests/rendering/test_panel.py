@@ -43,6 +43,14 @@ def test_a_dashed_segment_has_gaps_and_dashes_at_both_ends():
     assert not dark[:9].any() and not dark[92:].any()
 
 
+def test_dots_lie_around_their_centres():
+    panel = Panel((20, 10), WHITE)
+    panel.dots([(5, 5), (15, 5)], BLACK)
+    ink = 255 - np.asarray(panel.finish())[:, :, 0].astype(float)
+    assert ink.sum() == pytest.approx(2 * 13 / 4 * 255, rel=0.02)  # 13 of 4 times as many pixels each
+    assert (ink * np.arange(20)).sum() / ink.sum() == pytest.approx(10 - 0.5, abs=0.3)
+
+
 def test_a_panel_starts_from_a_layer_without_changing_it():
     base = Panel((10, 10), WHITE)
     panel = Panel((10, 10), base.layer)
