@@ -72,8 +72,9 @@ def test_gates_grow_with_the_uncertainty_of_the_pose() -> None:
 
 
 def test_the_default_gates_are_wide() -> None:
-    """Particles are overconfident at loop closure: eight standard deviations are no new place."""
-    assert slots(measured(seen(0.8)), room()) == [0]
+    """Particles are overconfident at loop closure: six standard deviations are the same place, ten no new one."""
+    assert slots(measured(seen(0.6)), room()) == [0]
+    assert slots(measured(seen(1.0)), room()) == [AMBIGUOUS]
 
 
 def test_a_doubtful_fit_to_a_region_that_is_taken_is_new() -> None:
