@@ -75,6 +75,7 @@ class ScriptedAgent:
         self._progress = Progress()
         self._time = 0
         self._due = 0  # when to decide anew
+        self._route_due = 0
         self._confirmations = 0
         self._waiting = 0  # steps spent at the goal without being sure
         self._words = "starting"
@@ -104,8 +105,9 @@ class ScriptedAgent:
         if self.target is None:
             self._words = "looking around"
             return np.array([0.0, 0.5])
-        if self._time % 5 == 0 or len(self.route) == 0:
+        if self._time >= self._route_due or len(self.route) == 0:
             self.route = self.terrain.route(view.pose[:2], self.target.point)
+            self._route_due = self._time + 10
         way_point, last = self._way_point(view)
         if self._progress.recovering:
             self._words = "backing off"

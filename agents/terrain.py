@@ -59,6 +59,7 @@ class Terrain:
         self._area_grid = np.zeros((size, size), np.float32)
         self._grid_origin = np.full(2, -(size // 2) * self.cell)
         self._low, self._high = np.full(2, np.inf), np.full(2, -np.inf)
+        self._costs: tuple[NDArray[np.float32], NDArray[np.float32]] | None = None  # until the next scan
 
     def insert(self, pose: Floats, ranges: ArrayLike) -> None:
         """Enter one scan taken at a pose (x, y, theta)."""
@@ -66,6 +67,7 @@ class Terrain:
         scan = np.asarray(ranges, dtype=np.float64)
         draw_scan(self._grid, self._grid_origin, self.cell, pose, self._angles, scan, self.sight, self.max_range - 0.1)
         self._crop(pose[:2])
+        self._costs = None
 
     def paint(self, row: Row, label: int) -> None:
         """Label the floor within a row of rectangles (map frame), but for what belongs to a smaller row."""
@@ -87,7 +89,9 @@ class Terrain:
 
     def costs(self, start: ArrayLike) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         """Return the cost of driving through every cell (inf: unseen or too near an obstacle) and the clearance (m)."""
-        cost, clearance = driving_costs(self.scores, self.cell, self.touch - 0.05, self.touch + 0.4)
+        if self._costs is None:
+            self._costs = driving_costs(self.scores, self.cell, self.touch - 0.05, self.touch + 0.4)
+        cost, clearance = self._costs[0].copy(), self._costs[1]
         row, column = self.index(start)
         around = cost[max(0, row - 3) : row + 4, max(0, column - 3) : column + 4]
         around[~np.isfinite(around)] = 20.0  # wherever the robot is, it can leave
@@ -216,15 +220,17 @@ def _margin(
     from the ends of the rays next but one, on the side where it is the more frontal.
     """
     n = len(ranges)
+    sine, lonely = 0.0, True  # of the angle between ray and surface
     if ranges[k] >= max_range:
         return 0.15
-    sine = 0.0  # of the angle between ray and surface
     for side in (-2, 2):
         other = (k + side + n) % n
         if ranges[other] < max_range:
             x, y = ends[other, 0] - ends[k, 0], ends[other, 1] - ends[k, 1]
             cross = (ends[k, 0] - pose[0]) * y - (ends[k, 1] - pose[1]) * x
-            sine = max(sine, abs(cross) / max(1e-9, ranges[k] * np.hypot(x, y)))
+            sine, lonely = max(sine, abs(cross) / max(1e-9, ranges[k] * np.hypot(x, y))), False
+    if lonely:
+        return 0.15
     return min(3.0, max(0.15, 0.12 / max(1e-9, sine)))
 
 
