@@ -1,6 +1,3 @@
-import importlib.util
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -8,11 +5,7 @@ from regionslam_env.belief import Localizer, inside_type, probability_in_type
 from slam.config import SlamConfig
 from slam.measurement import RegionMeasurement, Scan
 from slam.motion import MotionNoise, Odometry
-
-spec = importlib.util.spec_from_file_location("believed", Path(__file__).with_name("believed.py"))
-believed = importlib.util.module_from_spec(spec)
-spec.loader.exec_module(believed)
-Believed = believed.Believed
+from tests.env.believed import Believed
 
 OFFICE, HALLWAY = 0, 1
 NOISE = MotionNoise(distance=0.01, heading_per_metre=0.02, heading_per_radian=0.03)

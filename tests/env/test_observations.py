@@ -1,6 +1,3 @@
-import importlib.util
-from pathlib import Path
-
 import numpy as np
 import pytest
 from gymnasium import spaces
@@ -19,11 +16,7 @@ from regionslam_env.slots import LENGTH_LIMIT
 from slam.belief import Belief
 from slam.motion import Odometry
 from slam.region import EDGE_NAMES
-
-spec = importlib.util.spec_from_file_location("believed", Path(__file__).with_name("believed.py"))
-believed = importlib.util.module_from_spec(spec)
-spec.loader.exec_module(believed)
-Believed = believed.Believed
+from tests.env.believed import Believed
 
 ROBOT = RobotConfig()
 TYPES = ("office", "hallway", "other")

@@ -1,6 +1,3 @@
-import importlib.util
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -10,11 +7,7 @@ from regionslam_env.observations import RegionColumn as C
 from slam.particles import INSIDE
 from slam.region import b_index, u_index
 from slam.rows import Row
-
-spec = importlib.util.spec_from_file_location("believed", Path(__file__).with_name("believed.py"))
-believed = importlib.util.module_from_spec(spec)
-spec.loader.exec_module(believed)
-Believed = believed.Believed
+from tests.env.believed import Believed
 
 N_TYPES = 4
 
