@@ -132,7 +132,8 @@ class GoToTask:
 
     def judge(self, x: float, y: float, declared: bool) -> Outcome:
         """Judge a step that ends at this true position (world frame, m)."""
-        remaining, inside = judge(self._field.roots, x, y)
+        distance, within = judge(self._field.roots, x, y)
+        remaining, inside = float(distance), bool(within)  # not NumPy's own, without the JIT
         if not math.isfinite(remaining):  # squeezed against something: no nearer, no farther
             remaining = self._remaining
         progress, self._remaining = self._remaining - remaining, remaining
