@@ -16,9 +16,12 @@ if TYPE_CHECKING:
     from regionslam_env.observations import LinkColumn, RegionColumn, link_table, region_table
     from regionslam_env.tasks.rewards import RewardConfig
     from regionslam_env.worlds.world import World
+    from regionslam_env.wrappers import DiscreteActions, FlatObservation
 
 __all__ = [
     "SEMANTIC_TYPES",
+    "DiscreteActions",
+    "FlatObservation",
     "LinkColumn",
     "NoiseConfig",
     "RegionColumn",
@@ -34,6 +37,8 @@ __all__ = [
 
 _HOME = {
     "SEMANTIC_TYPES": "config",
+    "DiscreteActions": "wrappers",
+    "FlatObservation": "wrappers",
     "NoiseConfig": "config",
     "RobotConfig": "config",
     "SensorConfig": "config",

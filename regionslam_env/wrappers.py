@@ -1,0 +1,76 @@
+"""Other views of the same environment, for algorithms that want a plain vector or a few discrete actions."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import gymnasium
+import numpy as np
+from gymnasium import spaces
+from numpy.typing import NDArray
+
+from regionslam_env.observations import Observation
+
+MOTIONS = {
+    "forward": (1.0, 0.0),
+    "forward left": (0.7, 0.5),
+    "forward right": (0.7, -0.5),
+    "turn left": (0.0, 0.5),
+    "turn right": (0.0, -0.5),
+    "back": (-0.5, 0.0),
+    "stop": (0.0, 0.0),
+}
+"""Speed and turn rate, as shares of the robot's largest, of every discrete motion."""
+
+
+class FlatObservation(gymnasium.ObservationWrapper[NDArray[np.float32], Any, Observation]):
+    """Gives every part of an observation, one after the other in the order of the space, as one float32 vector.
+
+    Parameters
+    ----------
+    env
+        With a `Dict` of one-dimensional `Box` and `MultiBinary` spaces.
+    """
+
+    def __init__(self, env: gymnasium.Env[Observation, Any]) -> None:
+        super().__init__(env)
+        space: spaces.Space[Any] = env.observation_space
+        if not isinstance(space, spaces.Dict):
+            raise TypeError(f"the observation space is {space}, expected a Dict")
+        self._keys = tuple(space)
+        low = [part.low if isinstance(part, spaces.Box) else np.zeros(part.shape or ()) for part in space.values()]
+        high = [part.high if isinstance(part, spaces.Box) else np.ones(part.shape or ()) for part in space.values()]
+        self.observation_space = spaces.Box(
+            np.concatenate(low, dtype=np.float32), np.concatenate(high, dtype=np.float32), dtype=np.float32
+        )
+
+    def observation(self, observation: Observation) -> NDArray[np.float32]:
+        """Return the observation as one vector."""
+        return np.concatenate([observation[key] for key in self._keys], dtype=np.float32)
+
+
+class DiscreteActions(gymnasium.ActionWrapper[Any, np.int64, NDArray[np.float32]]):
+    """Offers the motions of `MOTIONS` by number, and "declare" as the last one where arrival is declared.
+
+    Attributes
+    ----------
+    names
+        Of the actions, in the order of their numbers.
+    """
+
+    def __init__(self, env: gymnasium.Env[Any, NDArray[np.float32]]) -> None:
+        super().__init__(env)
+        space: spaces.Space[Any] = env.action_space
+        if not isinstance(space, spaces.Box) or space.shape not in ((2,), (3,)):
+            raise TypeError(f"the action space is {space}, expected a Box of speed, turn rate and maybe a declaration")
+        declares = space.shape == (3,)
+        rows = [(*motion, -1.0)[: space.shape[0]] for motion in MOTIONS.values()]
+        self.names = (*MOTIONS, "declare") if declares else tuple(MOTIONS)
+        self._actions = np.array([*rows, (0.0, 0.0, 1.0)] if declares else rows, dtype=np.float32)
+        self.action_space = spaces.Discrete(len(self.names))
+
+    def action(self, action: np.int64) -> NDArray[np.float32]:
+        """Return the continuous action with this number."""
+        if not 0 <= int(action) < len(self._actions):
+            raise ValueError(f"action is {action!r}, expected a number from 0 to {len(self._actions) - 1}")
+        return self._actions[int(action)].copy()
