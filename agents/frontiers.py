@@ -18,8 +18,6 @@ CLEARANCE = 0.3
 SMALLEST = 3
 """Cells of the smallest frontier."""
 MOST = 256
-import os
-BREADTH = float(os.environ.get("BREADTH", "0"))
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +47,7 @@ class Frontier:
     @property
     def price(self) -> float:
         """What it costs to go there, the lower the better."""
-        return self.way + self.worth + BREADTH * float(np.hypot(*self.point))
+        return self.way + self.worth
 
 
 def find_frontiers(terrain: Terrain, view: View, clearance: float = CLEARANCE) -> list[Frontier]:
