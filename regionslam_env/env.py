@@ -129,7 +129,7 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     | max_regions | 32 | rows for regions in an observation |
     | semantic_types | `SEMANTIC_TYPES` | types an observation tells apart; all others count as "other" |
     | reveal_truth | False | puts the true pose and distance into `info["truth"]` |
-    | render_mode | None | "rgb_array" or "ansi" |
+    | render_mode | None | "rgb_array" or "ansi"; `gymnasium.make` also takes "human" and shows the pictures in a window |
 
     ## Version History
 
