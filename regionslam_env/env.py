@@ -14,9 +14,9 @@ from gymnasium.error import ResetNeeded
 from numpy.typing import ArrayLike, NDArray
 
 from regionslam_env.actions import ARRIVALS, Arrival, action_space, read_action
+from regionslam_env.arguments import one_of, read_options, robot_config, whole_number
 from regionslam_env.belief import LOCALIZATIONS, Localization, Localizer, probability_in_type
 from regionslam_env.config import SEMANTIC_TYPES, NoiseConfig, RobotConfig, SensorConfig, from_dict, noise_set
-from regionslam_env.errors import ConfigError, unknown
 from regionslam_env.missions.mission import GoTo
 from regionslam_env.observations import Observation, Observer, observed_types
 from regionslam_env.sensors.lidar import Lidar
@@ -43,8 +43,6 @@ Info = dict[str, Any]
 
 SPLITS = ("train", "val", "test")
 """Disjoint seeds: one and the same seed gives other missions and other noise in each."""
-
-OPTIONS = ("goal", "start")
 
 
 class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
@@ -129,7 +127,7 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     | max_regions | 32 | rows for regions in an observation |
     | semantic_types | `SEMANTIC_TYPES` | types an observation tells apart; all others count as "other" |
     | reveal_truth | False | puts the true pose and distance into `info["truth"]` |
-    | render_mode | None | "rgb_array" or "ansi"; `gymnasium.make` also takes "human" and shows the pictures in a window |
+    | render_mode | None | "rgb_array" or "ansi"; with `gymnasium.make` also "human", a window |
 
     ## Version History
 
@@ -163,13 +161,13 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         reveal_truth: bool = False,
         render_mode: str | None = None,
     ) -> None:
-        self._split = _one_of("split", split, SPLITS)
-        self.localization = _one_of("localization", localization, LOCALIZATIONS)
-        self.arrival = _one_of("arrival", arrival, ARRIVALS)
+        self._split = one_of("split", split, SPLITS)
+        self.localization = one_of("localization", localization, LOCALIZATIONS)
+        self.arrival = one_of("arrival", arrival, ARRIVALS)
         if render_mode is not None:
-            _one_of("render_mode", render_mode, self.metadata["render_modes"])
-        self.max_steps, n_slots = _count("max_steps", max_steps), _count("max_regions", max_regions)
-        self.robot = _robot(robot)
+            one_of("render_mode", render_mode, self.metadata["render_modes"])
+        self.max_steps, n_slots = whole_number("max_steps", max_steps), whole_number("max_regions", max_regions)
+        self.robot = robot_config(robot)
         self.sensors = from_dict(
             SensorConfig, {"range": sensor_range, "occlusion": occlusion, **(sensors or {})}, "sensors"
         )
@@ -218,7 +216,7 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             For an unknown option or goal, a start that is not free, or a goal that cannot be reached from it.
         """
         super().reset(seed=seed)
-        goal, start = _read_options(options)
+        goal, start = read_options(options)
         mission_rng, odometry_rng, lidar_rng, region_rng, filter_rng = self._generators()
         self.mission = self.task.draw(mission_rng, goal, start)
         self.simulation.reset(*self.mission.start)
@@ -403,30 +401,3 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 def _geodesic(world: World, radius: float) -> Geodesic:
     """Return the shortest distances in a world, shared by every environment that uses it: worlds are immutable."""
     return Geodesic(world, radius)
-
-
-def _one_of(kind: str, value: Any, known: Sequence[Any]) -> Any:
-    if value not in known:
-        raise ConfigError(unknown(kind, value, known))
-    return value
-
-
-def _count(name: str, value: int) -> int:
-    if isinstance(value, bool) or not isinstance(value, int) or value < 1:
-        raise ConfigError(f"{name} is {value!r}, expected a whole number of at least 1")
-    return value
-
-
-def _robot(robot: str | Mapping[str, Any] | RobotConfig) -> RobotConfig:
-    if isinstance(robot, str):
-        _one_of("robot", robot, ("standard",))
-        return RobotConfig()
-    return from_dict(RobotConfig, robot, "robot")
-
-
-def _read_options(options: Mapping[str, Any] | None) -> tuple[str | None, Sequence[float] | None]:
-    options = options or {}
-    for name in options:
-        if name not in OPTIONS:
-            raise ConfigError(unknown("option of reset", name, OPTIONS))
-    return options.get("goal"), options.get("start")

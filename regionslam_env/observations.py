@@ -15,7 +15,7 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
-from regionslam_env import slots
+from regionslam_env import tables
 from regionslam_env.config import RobotConfig
 from regionslam_env.errors import ConfigError
 from slam.belief import Belief
@@ -58,11 +58,11 @@ class RegionColumn(IntEnum):
     OPEN_TR = 19
     OPEN_BR = 20
     OPEN_RR = 21
-    EXISTENCE = slots.EXISTENCE
-    TYPE_P = slots.TYPE_P
-    VISITED = slots.VISITED
-    CONTAINS_ME = slots.CONTAINS_ME
-    TYPES = slots.TYPES
+    EXISTENCE = tables.EXISTENCE
+    TYPE_P = tables.TYPE_P
+    VISITED = tables.VISITED
+    CONTAINS_ME = tables.CONTAINS_ME
+    TYPES = tables.TYPES
 
 
 class LinkColumn(IntEnum):
@@ -111,7 +111,7 @@ def observation_space(
     def box(low: Any, high: Any, shape: tuple[int, ...] | None = None) -> spaces.Box:
         return spaces.Box(np.float32(low), np.float32(high), shape, np.float32)
 
-    length = slots.LENGTH_LIMIT
+    length = tables.LENGTH_LIMIT
     region_low = np.zeros(RegionColumn.TYPES + n_types)
     region_high = np.ones(RegionColumn.TYPES + n_types)
     region_low[[RegionColumn.COS, RegionColumn.SIN]] = -1
@@ -226,7 +226,7 @@ class Observer:
             elapsed,
             done,
         )
-        slots.write_map(
+        tables.write_map(
             regions,
             observation["regions_mask"],
             links,
@@ -286,13 +286,13 @@ def write_senses(
     done: float,
 ) -> None:
     """Write all of an observation but the map; `limits`: step, velocities and range of the lidar."""
-    pose[0], pose[1] = slots.clip(mean[0], slots.LENGTH_LIMIT), slots.clip(mean[1], slots.LENGTH_LIMIT)
+    pose[0], pose[1] = tables.clip(mean[0], tables.LENGTH_LIMIT), tables.clip(mean[1], tables.LENGTH_LIMIT)
     pose[2], pose[3] = math.cos(mean[2]), math.sin(mean[2])
     for i in range(3):
         for j in range(3):
-            pose_cov[3 * i + j] = slots.clip(covariance[i, j], COVARIANCE_LIMIT)
-    velocity[0] = slots.clip(distance / limits[0], limits[1])
-    velocity[1] = slots.clip(rotation / limits[0], limits[2])
+            pose_cov[3 * i + j] = tables.clip(covariance[i, j], COVARIANCE_LIMIT)
+    velocity[0] = tables.clip(distance / limits[0], limits[1])
+    velocity[1] = tables.clip(rotation / limits[0], limits[2])
     for i in range(len(lidar)):
         lidar[i] = min(limits[3], max(0.0, ranges[i]))
     goal[goal_type] = 1

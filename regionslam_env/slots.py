@@ -1,4 +1,4 @@
-"""Which believed region stands in which row of an observation, and what is written there (kernels).
+"""Which believed region stands in which row of an observation (kernels).
 
 A region keeps its slot for as long as it is in the map, whichever particle is the heaviest, until it is evicted for a
 nearer or more relevant one. `ids` (S,) holds the region of each slot, -1 for none, and `places` (S,) where it is in the
@@ -13,80 +13,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from slam.extent import probability_inside, to_row
+from slam.extent import to_row
 from slam.jit import njit
 from slam.particles import INSIDE
 from slam.region import b_index, u_index
 
-LENGTH_LIMIT = 1000.0
-"""Positions and sizes in an observation are clipped to this many metres."""
-
-GEOMETRY, OPEN, EXISTENCE, TYPE_P, VISITED, CONTAINS_ME, TYPES = 0, 12, 22, 23, 24, 25, 26
-"""First columns of the parts of a region's row; see `regionslam_env.observations.RegionColumn`."""
-
-_STAYS = 0.8  # a region is evicted only for one that is clearly more wanted, or two would take turns
-_FAR = 6.0  # standard deviations beyond which the robot is surely not there
-_WEAKEST_LINK = 0.1  # probability below which a link is not worth a row
-
-Floats = NDArray[np.float32]
 Records = NDArray[np.void]
 
-
-@njit
-def sigmoid(log_odds: float) -> float:
-    """Return the probability that has these log-odds."""
-    return 1.0 / (1.0 + math.exp(-log_odds))
-
-
-@njit
-def clip(value: float, limit: float) -> float:
-    """Return the value, at most `limit` away from 0."""
-    return min(limit, max(-limit, value))
-
-
-@njit
-def shown(region: Any, confirmed_after: int) -> bool:
-    """Return whether a region is to be observed: seen often enough, and not outdone by another type at its place."""
-    return region.n > 0 and region.rival < 0 and region.sightings >= confirmed_after
-
-
-@njit
-def place_of(regions: Records, region_id: int, hint: int, confirmed_after: int) -> int:
-    """Return where in the map the shown region with this id is, -1 if nowhere; the hint is tried first."""
-    if 0 <= hint < len(regions) and regions[hint].id == region_id and shown(regions[hint], confirmed_after):
-        return hint
-    for place in range(len(regions)):
-        if regions[place].id == region_id and shown(regions[place], confirmed_after):
-            return place
-    return -1
-
-
-@njit
-def distance(region: Any, x: float, y: float) -> float:
-    """Return the distance from a point of the map to the nearest rectangle of a region, m."""
-    along, across = to_row(region, x, y)
-    nearest = math.inf
-    for i in range(region.n):
-        left, right, bottom = u_index(i), u_index(i + 1), b_index(i)
-        du = max(region["state"][left] - along, 0.0, along - region["state"][right])
-        dv = max(region["state"][bottom] - across, 0.0, across - region["state"][bottom + 1])
-        nearest = min(nearest, math.hypot(du, dv))
-    return nearest
-
-
-@njit
-def cost(regions: Records, links: Records, place: int, x: float, y: float, is_goal: bool) -> float:
-    """Return how dispensable a region is: its distance, a quarter of it for the goal's type, more in doubt."""
-    region = regions[place]
-    result = (1.0 + distance(region, x, y)) * (2.0 - sigmoid(region.existence))
-    if is_goal:
-        return 0.25 * result
-    k = region.first_link
-    while k >= 0:
-        if links[k].kind == INSIDE and links[k].log_odds > 0:
-            return 3.0 * result
-        k = links[k].next
-    return result
+_STAYS = 0.8  # a region is evicted only for one that is clearly more wanted, or two would take turns
 
 
 @njit
@@ -143,190 +77,51 @@ def free_slot(ids: NDArray[np.int64], places: NDArray[np.int64]) -> int:
 
 
 @njit
-def write_region(row: Floats, region: Any, pose: NDArray[np.float64]) -> None:
-    """Write geometry, open edges and probabilities of a region, in the frame of `pose`, into its row."""
-    state, main = region.state, region.main
-    left, right, bottom = state[u_index(main)], state[u_index(main + 1)], state[b_index(main)]
-    along, across = (left + right) / 2, (bottom + state[b_index(main) + 1]) / 2
-    c, s = math.cos(state[0]), math.sin(state[0])
-    dx = region.anchor[0] + c * along - s * across - pose[0]
-    dy = region.anchor[1] + s * along + c * across - pose[1]
-    c, s = math.cos(pose[2]), math.sin(pose[2])
-    row[0] = clip(c * dx + s * dy, LENGTH_LIMIT)
-    row[1] = clip(c * dy - s * dx, LENGTH_LIMIT)
-    row[2], row[3] = math.cos(state[0] - pose[2]), math.sin(state[0] - pose[2])
-    row[4], row[5] = size(right - left), size(state[b_index(main) + 1] - bottom)
-    closed = region.closed
-    row[OPEN] = closed[b_index(main) + 1] == 0
-    row[OPEN + 1] = closed[b_index(main)] == 0
-    row[OPEN + 2] = main == 0 and closed[u_index(0)] == 0
-    row[OPEN + 3] = main == region.n - 1 and closed[u_index(region.n)] == 0
-    for side in range(2):
-        i = main - 1 + 2 * side
-        if 0 <= i < region.n:
-            b = b_index(i)
-            end = u_index(0) if side == 0 else u_index(region.n)
-            row[6 + 3 * side] = size(state[u_index(i + 1)] - state[u_index(i)])
-            row[7 + 3 * side] = size(state[b + 1] - state[b])
-            row[8 + 3 * side] = clip((state[b] + state[b + 1]) / 2 - across, LENGTH_LIMIT)
-            row[OPEN + 4 + 3 * side] = closed[b + 1] == 0
-            row[OPEN + 5 + 3 * side] = closed[b] == 0
-            row[OPEN + 6 + 3 * side] = closed[end] == 0
-    row[EXISTENCE] = sigmoid(region.existence)
-    row[TYPE_P] = sigmoid(region.type_log_odds)
-    row[VISITED] = region.visited != 0
-
-
-@njit
-def write_contains_me(
-    rows: Floats,
-    ids: NDArray[np.int64],
-    places: NDArray[np.int64],
-    particles: Records,
-    maps: Records,
-    confirmed_after: int,
-) -> None:
-    """Write the probability, over the particles and their own maps, that the robot is inside each slot's region."""
-    for q in range(len(particles)):
-        particle = particles[q]
-        weight = math.exp(particle.log_weight)
-        for slot in range(len(ids)):
-            if ids[slot] >= 0 and abs(rows[slot, 0]) + abs(rows[slot, 1]) < 2 * maps[q, places[slot]].radius + 10:
-                place = place_of(maps[q], ids[slot], places[slot], confirmed_after)
-                if place >= 0:
-                    p = probability_inside(maps[q, place], particle["expected"], particle["spread"])
-                    rows[slot, CONTAINS_ME] = min(1.0, rows[slot, CONTAINS_ME] + weight * p)
-
-
-@njit
-def size(value: float) -> float:
-    """Return a size within the observation's bounds."""
-    return min(LENGTH_LIMIT, max(0.0, value))
-
-
-@njit
-def write_types(
-    rows: Floats, slots: NDArray[np.int64], regions: Records, types: NDArray[np.int64], n_types: int
-) -> None:
-    """Write the type probabilities of every slot: its own, those of its rivals, the rest evenly on all others."""
+def place_of(regions: Records, region_id: int, hint: int, confirmed_after: int) -> int:
+    """Return where in the map the shown region with this id is, -1 if nowhere; the hint is tried first."""
+    if 0 <= hint < len(regions) and regions[hint].id == region_id and shown(regions[hint], confirmed_after):
+        return hint
     for place in range(len(regions)):
-        region = regions[place]
-        if region.n > 0:
-            slot = slots[place if region.rival < 0 else region.rival]
-            if slot >= 0:
-                rows[slot, TYPES + types[region.type]] += sigmoid(region.type_log_odds)
-    for slot in range(len(rows)):
-        named, total = 0, 0.0
-        for column in range(TYPES, TYPES + n_types):
-            if rows[slot, column] > 0:
-                named += 1
-                total += rows[slot, column]
-        if named == 0:
-            continue
-        rest = (1.0 - total) / (n_types - named) if named < n_types and total < 1 else 0.0
-        scale = 1.0 if rest > 0 else 1.0 / total
-        for column in range(TYPES, TYPES + n_types):
-            value = rows[slot, column]
-            rows[slot, column] = value * scale if value > 0 else rest
+        if regions[place].id == region_id and shown(regions[place], confirmed_after):
+            return place
+    return -1
 
 
 @njit
-def write_links(
-    rows: Floats,
-    mask: NDArray[np.int8],
-    places: NDArray[np.int64],
-    slots: NDArray[np.int64],
-    regions: Records,
-    links: Records,
-) -> None:
-    """Write the links between slots, strongest first: first and second slot, probability, kind.
-
-    An adjacency stands once with its lower slot first, as probable as the more probable of its two directions; of a
-    containment the second is inside the first.
-    """
-    n = len(places)
-    probabilities = np.zeros((2, n, n), np.float32)
-    found = np.empty((2 * n * n, 3), np.int64)
-    n_found = 0
-    for slot in range(n):
-        if places[slot] < 0:
-            continue
-        k = regions[places[slot]].first_link
-        while k >= 0:
-            link = links[k]
-            k = link.next
-            if regions[link.target].n == 0 or regions[link.target].id != link.target_id:
-                continue
-            other = slots[link.target]
-            if other < 0 or other == slot:
-                continue
-            first, second = (other, slot) if link.kind == INSIDE or other < slot else (slot, other)
-            kind = 1 if link.kind == INSIDE else 0
-            p = sigmoid(link.log_odds)
-            if p < _WEAKEST_LINK:
-                continue
-            if probabilities[kind, first, second] == 0:
-                found[n_found, 0], found[n_found, 1], found[n_found, 2] = kind, first, second
-                n_found += 1
-            probabilities[kind, first, second] = max(probabilities[kind, first, second], p)
-    count = 0
-    for i in range(n_found):
-        kind, first, second = found[i, 0], found[i, 1], found[i, 2]
-        count = insert_link(rows, count, first, second, probabilities[kind, first, second], kind)
-    for row in range(count):
-        mask[row] = 1
+def shown(region: Any, confirmed_after: int) -> bool:
+    """Return whether a region is to be observed: seen often enough, and not outdone by another type at its place."""
+    return region.n > 0 and region.rival < 0 and region.sightings >= confirmed_after
 
 
 @njit
-def insert_link(rows: Floats, count: int, first: int, second: int, p: float, kind: int) -> int:
-    """Insert a link behind all that are at least as probable; return how many rows are used now."""
-    k, probability = count, np.float32(p)
-    if k == len(rows):
-        if probability <= rows[k - 1, 2]:
-            return count
-        k -= 1
-    while k > 0 and rows[k - 1, 2] < probability:
-        for column in range(4):
-            rows[k, column] = rows[k - 1, column]
-        k -= 1
-    rows[k, 0], rows[k, 1], rows[k, 2], rows[k, 3] = first, second, probability, kind
-    return min(count + 1, len(rows))
+def cost(regions: Records, links: Records, place: int, x: float, y: float, is_goal: bool) -> float:
+    """Return how dispensable a region is: its distance, a quarter of it for the goal's type, more in doubt."""
+    region = regions[place]
+    result = (1.0 + distance(region, x, y)) * (2.0 - sigmoid(region.existence))
+    if is_goal:
+        return 0.25 * result
+    k = region.first_link
+    while k >= 0:
+        if links[k].kind == INSIDE and links[k].log_odds > 0:
+            return 3.0 * result
+        k = links[k].next
+    return result
 
 
 @njit
-def write_map(
-    regions: Floats,
-    regions_mask: NDArray[np.int8],
-    links: Floats,
-    links_mask: NDArray[np.int8],
-    ids: NDArray[np.int64],
-    places: NDArray[np.int64],
-    pose: NDArray[np.float64],
-    believed: Records,
-    beliefs: Records,
-    particles: Records,
-    maps: Records,
-    types: NDArray[np.int64],
-    n_types: int,
-    goal: int,
-    confirmed_after: int,
-) -> None:
-    """Write the heaviest particle's map into an observation's tables, zeros so far, after updating the slots.
+def distance(region: Any, x: float, y: float) -> float:
+    """Return the distance from a point of the map to the nearest rectangle of a region, m."""
+    along, across = to_row(region, x, y)
+    nearest = math.inf
+    for i in range(region.n):
+        left, right, bottom = u_index(i), u_index(i + 1), b_index(i)
+        du = max(region["state"][left] - along, 0.0, along - region["state"][right])
+        dv = max(region["state"][bottom] - across, 0.0, across - region["state"][bottom + 1])
+        nearest = min(nearest, math.hypot(du, dv))
+    return nearest
 
-    `regions` has shape (S, TYPES + n_types), `links` (L, 4), the masks (S,) and (L,).
 
-    `pose` is the particle's pose, `believed` its regions and `beliefs` its links; `types` maps the filter's types to
-    columns.
-    """
-    assign(ids, places, believed, beliefs, pose, types, goal, confirmed_after)
-    slots = np.empty(len(believed), np.int64)
-    for place in range(len(believed)):
-        slots[place] = -1
-    for slot in range(len(ids)):
-        if places[slot] >= 0:
-            slots[places[slot]] = slot
-            regions_mask[slot] = 1
-            write_region(regions[slot], believed[places[slot]], pose)
-    write_types(regions, slots, believed, types, n_types)
-    write_contains_me(regions, ids, places, particles, maps, confirmed_after)
-    write_links(links, links_mask, places, slots, believed, beliefs)
+@njit
+def sigmoid(log_odds: float) -> float:
+    """Return the probability that has these log-odds."""
+    return 1.0 / (1.0 + math.exp(-log_odds))

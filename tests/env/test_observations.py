@@ -12,7 +12,7 @@ from regionslam_env.observations import (
     observed_types,
     region_table,
 )
-from regionslam_env.slots import LENGTH_LIMIT
+from regionslam_env.tables import LENGTH_LIMIT
 from slam.belief import Belief
 from slam.motion import Odometry
 from slam.region import EDGE_NAMES

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from regionslam_env import slots
+from regionslam_env import tables
 from regionslam_env.observations import LinkColumn as L
 from regionslam_env.observations import RegionColumn as C
 from slam.particles import INSIDE
@@ -25,7 +25,7 @@ class Tables:
         self.mask, self.links_mask = np.zeros(n, np.int8), np.zeros(4 * n, np.int8)
         self.links = np.zeros((4 * n, 4), np.float32)
         s = belief.set
-        slots.write_map(
+        tables.write_map(
             *(self.rows, self.mask, self.links, self.links_mask, self.ids, self.places),
             *(s.particles[heaviest]["pose"], s.regions[heaviest, : s.particles[heaviest].n_slots], s.links[heaviest]),
             *(s.particles, s.regions, self.types, N_TYPES, self.goal, 3),
@@ -216,6 +216,6 @@ def test_more_links_than_rows_keep_the_strongest():
     rows = np.zeros((3, 4), np.float32)
     count = 0
     for i, p in enumerate((0.3, 0.9, 0.5, 0.7, 0.4, 0.9)):
-        count = slots.insert_link(rows, count, i, i, p, 0)
+        count = tables.insert_link(rows, count, i, i, p, 0)
     assert count == 3
     assert rows[:, 0].tolist() == [1.0, 5.0, 3.0]
