@@ -52,6 +52,9 @@ CANDIDATE = np.dtype(
 
 CANDIDATES_PER_MEASUREMENT = 12
 
+ALIKE = 2.5
+"""Ratio of areas up to which a measurement of another type can be one of the same place."""
+
 LARGE_AREA = 4.0
 """Area (m²) of a view that makes a region even where hardly an edge is seen."""
 
@@ -77,8 +80,11 @@ def associate(
     turned = np.zeros_like(measured[:1, 0])
     near = np.zeros(regions.shape[1], np.int32)
     circles = bounding_circles(measured)
+    areas = np.zeros(regions.shape[1])
     for i in range(len(particles)):
         n_near = find_near(particles[i], regions[i], measured, near)
+        for j in range(n_near):
+            areas[j] = area(regions[i, near[j]])
         pose = particles[i].pose
         c, s = np.cos(pose[2]), np.sin(pose[2])
         margin = MARGIN + 5.0 * np.sqrt(particles[i].cov[0, 0] + particles[i].cov[1, 1])
@@ -90,11 +96,13 @@ def associate(
                 m = regions[i, near[j]]
                 dx, dy = m.anchor[0] - x, m.anchor[1] - y
                 reach = m.radius + circles[z, 2] + margin
-                if dx * dx + dy * dy < reach * reach and n < candidates.shape[1]:
-                    found = compare(measured[z], m, particles[i], p, work, turned[0], candidates[i, n])
-                    if found:
-                        candidates[i, n].z, candidates[i, n].slot = z, near[j]
-                        n += 1
+                if dx * dx + dy * dy > reach * reach or n == candidates.shape[1]:
+                    continue
+                if measured[z, 0].type != m.type and not are_alike(circles[z, 3], areas[j]):
+                    continue
+                if compare(measured[z], m, particles[i], p, work, turned[0], candidates[i, n]):
+                    candidates[i, n].z, candidates[i, n].slot = z, near[j]
+                    n += 1
         n_candidates[i] = n
         assign(candidates[i, :n], associations[i], measured, regions.shape[1], p)
 
@@ -107,8 +115,8 @@ def can_be_born(z: Record) -> bool:
 
 @njit
 def bounding_circles(measured: Array) -> Any:
-    """Return centre (robot frame) and radius of a circle about every measurement, shape (M, 3), m."""
-    circles = np.zeros((len(measured), 3))
+    """Return centre (robot frame, m), radius (m) and area (m²) of every measurement, shape (M, 4)."""
+    circles = np.zeros((len(measured), 4))
     for i in range(len(measured)):
         z = measured[i, 0]
         u0, u1 = z.state[u_index(0)], z.state[u_index(z.n)]
@@ -119,7 +127,14 @@ def bounding_circles(measured: Array) -> Any:
         c, s = np.cos(z.state[0]), np.sin(z.state[0])
         circles[i, 0], circles[i, 1] = c * u - s * v, s * u + c * v
         circles[i, 2] = np.sqrt((u1 - u0) ** 2 + (v1 - v0) ** 2) / 2
+        circles[i, 3] = area(z)
     return circles
+
+
+@njit
+def are_alike(a: float, b: float) -> bool:
+    """Say whether two areas are near enough for two types to be taken for one another."""
+    return a < ALIKE * b and b < ALIKE * a
 
 
 @njit

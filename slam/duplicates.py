@@ -18,61 +18,62 @@ from slam.region import MAX_STATE, REGION
 MARGIN = 0.3
 """Centres within this distance (m) of the other region make two regions candidates for one place."""
 
+REFUTED = -3.0
+"""Log-odds of its type below which an outdone hypothesis is dropped."""
+
 TWIN_OVERLAP = 0.5
 """Share of the smaller of two regions of one type from which they cannot both be there."""
 
 
 @njit
 def resolve_duplicates(
-    particles: Array,
-    regions: Array,
-    measured: Array,
-    associations: Array,
-    p: Record,
-    scratch: Record,
-    candidate: Record,
-    stand: Record,
+    particles: Array, regions: Array, measured: Array, associations: Array, scan_number: int, p: Record
 ) -> None:
-    """Compare every region just measured with its neighbours; merge twins, rank rivals, drop outdone hypotheses."""
+    """Compare a region just measured with its neighbours; merge twins, rank rivals, drop outdone hypotheses.
+
+    Each scan looks at one of its regions in turn: duplicates need no answer within a tenth of a second.
+    """
+    if len(measured) == 0:
+        return
     work = workspace()
+    scratch, candidate, stand = np.zeros(5, REGION), np.zeros(1, CANDIDATE), np.zeros(1, PARTICLE)
     near = np.zeros(regions.shape[1], np.int32)
-    seen = np.zeros(regions.shape[1], np.bool_)
+    chosen = scan_number % len(measured)
     for i in range(len(particles)):
-        n_near = find_near(particles[i], regions[i], measured, near)
-        for z in range(len(measured)):
-            if associations[i, z].slot >= 0:
-                seen[associations[i, z].slot] = True
-        for z in range(len(measured)):
-            slot = associations[i, z].slot
-            if slot < 0 or regions[i, slot].n == 0:
+        slot = associations[i, chosen].slot
+        if slot < 0 or regions[i, slot].n == 0:
+            continue
+        for j in range(find_near(particles[i], regions[i], measured, near)):
+            other = near[j]
+            a, b = regions[i, slot], regions[i, other]
+            if other == slot or b.n == 0 or not share_place(a, b):
                 continue
-            for j in range(n_near):
-                other = near[j]
-                a, b = regions[i, slot], regions[i, other]
-                if other == slot or b.n == 0 or not share_place(a, b):
-                    continue
-                if a.type != b.type:
-                    if are_rivals(a, b):
-                        rank(regions[i], slot, other)
-                elif not seen[other] and are_twins(a, b):
-                    # Two regions of one scan are two regions, so only an unseen one can be the twin.
-                    older, younger = (a, b) if a.id < b.id else (b, a)
-                    merge(younger, older, p, work, scratch, candidate[0], stand[0])
-                    younger.n = 0
-                if regions[i, slot].n == 0:
-                    break
-        for z in range(len(measured)):
-            if associations[i, z].slot >= 0:
-                seen[associations[i, z].slot] = False
-        for j in range(n_near):
-            m = regions[i, near[j]]
-            if m.n > 0 and m.rival >= 0:
-                rival = regions[i, m.rival]
-                # The slot may be free or hold another region by now, and the rival may have lost its lead.
-                if not are_rivals(m, rival) or rival.type_log_odds < m.type_log_odds:
-                    m.rival = -1
-                elif m.type_log_odds < -3.0:
-                    m.n = 0
+            if a.type != b.type:
+                if are_rivals(a, b):
+                    rank(regions[i], slot, other)
+            elif b.last_seen != scan_number and are_twins(a, b):
+                # Two regions of one scan are two regions, so only an unseen one can be the twin.
+                older, younger = (a, b) if a.id < b.id else (b, a)
+                merge(younger, older, p, work, scratch, candidate[0], stand[0])
+                younger.n = 0
+            settle_rivalry(regions[i], other)
+            if a.n == 0:
+                break
+        settle_rivalry(regions[i], slot)
+
+
+@njit
+def settle_rivalry(regions: Array, slot: int) -> None:
+    """Drop a hypothesis that its rival has refuted; free it where the rival is gone or has lost its lead."""
+    m = regions[slot]
+    if m.n == 0 or m.rival < 0:
+        return
+    rival = regions[m.rival]
+    # The slot may be free or hold another region by now.
+    if not are_rivals(m, rival) or rival.type_log_odds < m.type_log_odds:
+        m.rival = -1
+    elif m.type_log_odds < REFUTED:
+        m.n = 0
 
 
 @njit
@@ -157,8 +158,3 @@ def merge(
     older.existence = max(older.existence, younger.existence)
     older.type_log_odds = max(older.type_log_odds, younger.type_log_odds)
     older.visited = max(older.visited, younger.visited)
-
-
-def duplicate_scratch() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the scratch records that `resolve_duplicates` needs: descriptions, a candidate, a standpoint."""
-    return np.zeros(5, REGION), np.zeros(1, CANDIDATE), np.zeros(1, PARTICLE)

@@ -48,7 +48,9 @@ def update_existence(
                 m.existence = min(m.existence + p.existence_seen, p.existence_ceiling)
         for j in range(find_near(particle, regions[i], measured, near)):
             m = regions[i, near[j]]
-            if not m.visited and contains(m, particle.pose[0], particle.pose[1], 0.1):
+            dx, dy = particle.pose[0] - m.anchor[0], particle.pose[1] - m.anchor[1]
+            inside = dx * dx + dy * dy < (m.radius + 0.1) ** 2
+            if inside and not m.visited and contains(m, particle.pose[0], particle.pose[1], 0.1):
                 m.visited = 1
             if not explained[near[j]] and len(view) > 0 and is_expected(m, particle.pose, view, p.sensor_range):
                 m.existence -= p.existence_missed

@@ -10,10 +10,11 @@ from numpy.typing import ArrayLike, NDArray
 from slam.association import ASSOCIATION, CANDIDATE, CANDIDATES_PER_MEASUREMENT, associate
 from slam.belief import Belief, moments
 from slam.config import SlamConfig
-from slam.duplicates import duplicate_scratch, resolve_duplicates
+from slam.duplicates import resolve_duplicates
 from slam.edge_form import observe
 from slam.existence import update_existence
 from slam.geometric_update import update_geometry
+from slam.jit import Array, Record, njit
 from slam.measurement import Scan
 from slam.motion import Odometry
 from slam.particles import ParticleSet
@@ -25,6 +26,40 @@ from slam.topology_update import measured_relations, update_topology
 from slam.weights import normalise, weights
 
 NO_VIEW = np.zeros((0, 2))
+
+
+@njit
+def update_particles(
+    particles: Array,
+    regions: Array,
+    links: Array,
+    records: Array,
+    type_numbers: Array,
+    measured_links: Array,
+    view: Array,
+    normals: Array,
+    scan_number: int,
+    p: Record,
+) -> float:
+    """Take one scan through the filter, section III of the paper; return the effective sample size."""
+    n = len(records)
+    measured = np.zeros((n, 4), REGION)
+    associations = np.empty((len(particles), n), ASSOCIATION)
+    candidates = np.empty((len(particles), n * CANDIDATES_PER_MEASUREMENT), CANDIDATE)
+    n_candidates = np.zeros(len(particles), np.int64)
+    relations = np.empty((n, n, 2))
+
+    observe(records, type_numbers, measured)
+    associate(particles, regions, measured, p, associations, candidates, n_candidates)
+    propose(particles, regions, measured, associations, p)
+    draw(particles, normals)
+    update_semantics(particles, regions, measured, candidates, n_candidates, p)
+    update_geometry(particles, regions, measured, associations, scan_number, p)
+    measured_relations(measured, measured_links, relations)
+    update_topology(particles, regions, links, associations, relations, p)
+    update_existence(particles, regions, measured, associations, candidates, n_candidates, view, p)
+    resolve_duplicates(particles, regions, measured, associations, scan_number, p)
+    return normalise(particles)
 
 
 class RegionSLAM:
@@ -51,7 +86,6 @@ class RegionSLAM:
         self.config = config or SlamConfig()
         self._parameters = self.config.parameters()
         self._rng = np.random.default_rng(seed)
-        self._scratch = duplicate_scratch()
         self.reset()
 
     def reset(self, pose: ArrayLike = (0.0, 0.0, 0.0)) -> Belief:
@@ -85,26 +119,20 @@ class RegionSLAM:
     def update(self, scan: Scan) -> Belief:
         """Update poses and maps with a scan and return the belief."""
         self._scan_number += 1
-        measured = self._observe(scan)
-        n, p = len(measured), self._parameters
-        self._set.make_room(regions=n, links=n * n)
-        particles, regions, links = self._set.particles, self._set.regions, self._set.links
-        associations = np.empty((len(particles), n), ASSOCIATION)
-        candidates = np.empty((len(particles), n * CANDIDATES_PER_MEASUREMENT), CANDIDATE)
-        n_candidates = np.zeros(len(particles), np.int64)
-        relations = np.empty((n, n, 2))
-        view = NO_VIEW if scan.view is None else scan.view
-
-        associate(particles, regions, measured, p, associations, candidates, n_candidates)
-        propose(particles, regions, measured, associations, p)
-        draw(particles, self._rng.standard_normal((len(particles), 3)))
-        update_semantics(particles, regions, measured, candidates, n_candidates, p)
-        update_geometry(particles, regions, measured, associations, self._scan_number, p)
-        measured_relations(measured, scan.links, relations)
-        update_topology(particles, regions, links, associations, relations, p)
-        update_existence(particles, regions, measured, associations, candidates, n_candidates, view, p)
-        resolve_duplicates(particles, regions, measured, associations, p, *self._scratch)
-        self._ess = normalise(particles)
+        n, cloud = len(scan), self._set
+        cloud.make_room(regions=n, links=n * n)
+        self._ess = update_particles(
+            cloud.particles,
+            cloud.regions,
+            cloud.links,
+            scan.records,
+            self._type_numbers(scan.types),
+            scan.links,
+            NO_VIEW if scan.view is None else scan.view,
+            self._rng.standard_normal((len(cloud.particles), 3)),
+            self._scan_number,
+            self._parameters,
+        )
         belief = self.belief
         self._resample()
         return belief
@@ -115,12 +143,12 @@ class RegionSLAM:
         particles, regions, links = self._set.particles, self._set.regions, self._set.links
         mean, cov = np.empty(3), np.empty((3, 3))
         best = moments(particles, mean, cov)
-        used = particles[best].n_slots
+        used = particles["n_slots"][best]
         return Belief(
             mean,
             cov,
             self._ess,
-            particles[best].pose.copy(),
+            particles["pose"][best].copy(),
             regions[best, :used],
             links[best],
             self._types,
@@ -128,12 +156,6 @@ class RegionSLAM:
             regions,
             self.config.confirmed_after,
         )
-
-    def _observe(self, scan: Scan) -> NDArray[np.void]:
-        """Return the scan in edge form, shape (M, 4): all equivalent descriptions, with the filter's type numbers."""
-        measured = np.zeros((len(scan), 4), REGION)
-        observe(scan.records, self._type_numbers(scan.types), measured)
-        return measured
 
     def _type_numbers(self, types: Sequence[str]) -> NDArray[np.int32]:
         """Return the filter's numbers of a scan's types; an unknown type is a new type."""

@@ -3,17 +3,20 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from slam.duplicates import are_rivals, duplicate_scratch, resolve_duplicates, share_place
+from slam.duplicates import are_rivals, resolve_duplicates, share_place
 from slam.measurement import RegionMeasurement
 from tests.slam.drawn import P, links_to, mapped, maps, measured, particles
 
+SCAN = 12
 ROOM = [0.0, -2, 2, -1.5, 1.5]
 
 
 def resolve(regions: np.ndarray, *slots: int) -> None:
     """Resolve after a scan that measured these slots."""
     scan = measured(*(RegionMeasurement("office", 0, 0, 20, 20) for _ in slots))
-    resolve_duplicates(particles(), regions, scan, links_to(*((s, 0, 0, 0) for s in slots)), P, *duplicate_scratch())
+    for turn in range(len(slots)):
+        regions["last_seen"][0, list(slots)] = SCAN + turn
+        resolve_duplicates(particles(), regions, scan, links_to(*((s, 0, 0, 0) for s in slots)), SCAN + turn, P)
 
 
 def test_twins_become_one_older_region() -> None:
