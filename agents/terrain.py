@@ -192,7 +192,7 @@ def draw_scan(
                 c = int(np.rint((pose[0] + distance * dx - origin[0]) / cell))
                 score = scores[r, c]
                 scores[r, c] = 0 if score == UNSEEN else max(score - 1, -FIRM)
-                distance += cell
+                distance += 0.7 * cell  # more would jump over corners of cells
     for k in range(n):
         if ranges[k] >= max_range:
             continue

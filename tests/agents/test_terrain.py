@@ -7,7 +7,7 @@ from agents.terrain import UNSEEN, Terrain, clearances, draw_scan, driving_costs
 from slam.rows import Row
 from tests.control.room import box, scan
 
-ROOM = np.array(box(-3, -2, 3, 2) + [(0, -2, 0, 1)], float)  # a wall in the middle leaves 1 m open at the top
+ROOM = np.array([*box(-3, -2, 3, 2), (0, -2, 0, 1)], float)  # a wall in the middle leaves 1 m open at the top
 POSE = np.array([-1.5, 0.0, 0.0])
 
 
