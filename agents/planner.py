@@ -102,7 +102,11 @@ class Planner:
         return any(np.hypot(*(point - centre)) < radius for centre, radius, _ in self._avoided)
 
     def _inside(
-        self, goals: list[BelievedRegion], view: View, reach: NDArray[np.float32], clearance: Floats
+        self,
+        goals: list[BelievedRegion],
+        view: View,
+        reach: NDArray[np.float32],
+        clearance: NDArray[np.float32],
     ) -> Target | None:
         """Return the spot well inside one of the regions that is the cheapest to get to."""
         best: tuple[float, Target] | None = None

@@ -135,7 +135,7 @@ class LocalController:
         column, row = goal_x / cell + half, goal_y / cell + half
         end = search(self._cost, self.window.centre, column, row, self._reach, self._parent)
         cells: NDArray[np.int64] = trace(self._parent, end)
-        path = (cells[:, ::-1] - half) * cell
+        path = np.asarray((cells[:, ::-1] - half) * cell, dtype=np.float64)
         if round(column) == cells[-1, 1] and round(row) == cells[-1, 0]:
             path[-1] = goal_x, goal_y
         return path

@@ -86,7 +86,7 @@ def search(
                 if size == len(keys):
                     keys, cells = np.append(keys, np.empty_like(keys)), np.append(cells, np.empty_like(cells))
                 ahead = 0.0 if everywhere else np.hypot(goal_x - c, goal_y - r)
-                size = _sift_up(keys, cells, size, total + ahead, there)
+                size = _sift_up(keys, cells, size, float(total + ahead), there)
     return nearest
 
 
