@@ -76,6 +76,8 @@ def is_expected(m: Record, pose: Array, view: Array, sensor_range: float) -> boo
             total += 1
             if is_in_view(view, x, y, VIEW_MARGIN):
                 seen += 1
+            elif total - seen > (1 - LEAST_SHARE) * 5 * m.n:
+                return False
             angle = np.arctan2(y, x)
             if total == 1:
                 first = angle

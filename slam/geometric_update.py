@@ -118,7 +118,7 @@ def fuse(z: Record, m: Record, offset: int, pose: Array, work: Record) -> None:
     offset = grow(z, m, offset)
     settle_open_edges(z, m, offset, pose)
     rows, _ = correspond(z, m, offset, pose, SLACK, work, np.inf)
-    innovate(z, m, rows, np.zeros((3, 3)), work)
+    innovate(z, m, rows, work.certain, work)
     size = state_size(m.n)
     for r in range(rows):
         for b in range(size):

@@ -38,6 +38,7 @@ class Workspace(NamedTuple):
     normal: np.ndarray  # (rows, 3) d rho / d pose
     cov: np.ndarray  # (rows, rows) innovation covariance, becomes its Cholesky factor
     gain: np.ndarray  # (rows, states) H C, becomes L^-1 H C
+    certain: np.ndarray  # (3, 3) covariance of a drawn pose: zero
 
 
 @njit
@@ -52,6 +53,7 @@ def workspace() -> Any:
         np.zeros((n, 3)),
         np.zeros((n, n)),
         np.zeros((n, n)),
+        np.zeros((3, 3)),
     )
 
 
@@ -169,17 +171,21 @@ def innovate(z: Record, m: Record, rows: int, pose_cov: Array, work: Record) -> 
 
     S = H_x P H_x^T + H_m C H_m^T + R with the joint covariances of pose, mapped region and measurement.
     """
+    phi_variance = m.cov[0, 0]
     for i in range(rows):
-        gi, mi = work.lever[i], work.im[i]
+        gi, mi, zi = work.lever[i], work.im[i], work.iz[i]
+        t0, t1, t2 = 0.0, 0.0, 0.0
+        for a in range(3):
+            na = work.normal[i, a]
+            if na != 0.0:
+                t0 += na * pose_cov[a, 0]
+                t1 += na * pose_cov[a, 1]
+                t2 += na * pose_cov[a, 2]
         for j in range(i + 1):
             gj, mj = work.lever[j], work.im[j]
-            value = z.cov[work.iz[i], work.iz[j]]
-            value += m.cov[mi, mj] + gi * m.cov[0, mj] + gj * m.cov[mi, 0] + gi * gj * m.cov[0, 0]
-            for a in range(3):
-                ha = work.normal[i, a]
-                if ha != 0.0:
-                    for b in range(3):
-                        value += ha * pose_cov[a, b] * work.normal[j, b]
+            value = z.cov[zi, work.iz[j]] + m.cov[mi, mj]
+            value += gi * m.cov[0, mj] + gj * m.cov[mi, 0] + gi * gj * phi_variance
+            value += t0 * work.normal[j, 0] + t1 * work.normal[j, 1] + t2 * work.normal[j, 2]
             work.cov[i, j] = value
     distance, determinant = 0.0, 1.0
     for i in range(rows):
