@@ -147,12 +147,16 @@ def train(
 
 @app.command()
 def benchmark(
-    what: Annotated[str, typer.Argument(help="env or filter.")] = "env",
-    steps: Annotated[int | None, typer.Option(min=100, help="Steps in all.")] = None,
+    what: Annotated[str, typer.Argument(help="env, filter or tour.")] = "env",
+    steps: Annotated[int | None, typer.Option(min=100, help="Steps in all (env, filter).")] = None,
     world: WorldName = "institute",
+    seeds: Annotated[int, typer.Option(min=1, help="Seeds (tour).")] = 10,
+    particles: Annotated[int, typer.Option(min=1, help="Particles (tour).")] = 4,
+    occlusion: Annotated[bool, typer.Option(help="Whether walls hide regions (tour).")] = False,
     json: Json = False,
 ) -> int:
-    """Measure the speed of the environment, by part, or of the filter alone."""
+    """Measure the speed of the environment (env, by part) or the filter, or the filter's accuracy on a 300 m tour."""
+    from agents.accuracy import tour_errors
     from agents.benchmark import benchmark_environment, benchmark_filter
     from regionslam_env.errors import unknown
 
@@ -165,8 +169,22 @@ def benchmark(
             f"{result['filter_us']:.0f} µs per step with {result['particles']} particles,"
             f" {result['measurements']} measurements, {result['regions']} regions"
         ]
+    elif what == "tour":
+        runs = []
+        for run in tour_errors(seeds, particles, occlusion=occlusion):
+            console().print("  ".join(f"{name} {_figure(value)}" for name, value in run.items()))
+            runs.append(run)
+        worst = max(run["ape_max"] for run in runs)
+        lines = [f"{seeds} seeds: position off by {worst:.2f} m at most"]
+        result = {
+            "seeds": seeds,
+            "n_particles": particles,
+            "occlusion": occlusion,
+            "ape_max_worst": worst,
+            "runs": runs,
+        }
     else:
-        raise InputError(unknown("benchmark", what, ("env", "filter")))
+        raise InputError(unknown("benchmark", what, ("env", "filter", "tour")))
     console().print("\n".join(lines))
     if json:
         print_json(result)
@@ -221,6 +239,10 @@ def _metrics_table(title: str, summary: dict[str, dict[str, float | int | None]]
         interval = "" if s["low"] is None else f"{s['low']:.3f} to {s['high']:.3f}"
         table.add_row(name, "" if s["mean"] is None else f"{s['mean']:.3f}", interval, str(s["n"]))
     return table
+
+
+def _figure(value: float | None) -> str:
+    return f"{value:.3f}" if isinstance(value, float) else str(value)
 
 
 def _environment_lines(result: dict[str, Any]) -> list[str]:
