@@ -116,7 +116,7 @@ def cluster(
     pending = np.zeros((rows, columns), np.bool_)
     for r in range(1, rows - 1):
         for c in range(1, columns - 1):
-            if scores[r, c] > 0 or scores[r, c] == UNSEEN or clearances[r, c] < clearance or np.isinf(reach[r, c]):
+            if scores[r, c] > 0 or scores[r, c] == UNSEEN or clearances[r, c] < clearance or math.isinf(reach[r, c]):
                 continue
             pending[r, c] = (
                 scores[r - 1, c] == UNSEEN
@@ -143,10 +143,11 @@ def cluster(
                             pending[nr, nc] = False
                             queue[size, 0], queue[size, 1] = nr, nc
                             size += 1
-            middle_r, middle_c = np.mean(queue[:size, 0]), np.mean(queue[:size, 1])
-            best = 0
+            middle_r, middle_c, best = 0.0, 0.0, 0
             for k in range(size):
-                if np.hypot(queue[k, 0] - middle_r, queue[k, 1] - middle_c) < np.hypot(
+                middle_r, middle_c = middle_r + queue[k, 0] / size, middle_c + queue[k, 1] / size
+            for k in range(size):
+                if math.hypot(queue[k, 0] - middle_r, queue[k, 1] - middle_c) < math.hypot(
                     queue[best, 0] - middle_r, queue[best, 1] - middle_c
                 ):
                     best = k

@@ -5,6 +5,8 @@ Where newer scans contradict older ones (the believed pose moves), the newer one
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -176,20 +178,20 @@ def draw_scan(
     ends = np.empty((n, 2))
     for k in range(n):
         angle = pose[2] + angles[k]
-        ends[k, 0], ends[k, 1] = pose[0] + ranges[k] * np.cos(angle), pose[1] + ranges[k] * np.sin(angle)
+        ends[k, 0], ends[k, 1] = pose[0] + ranges[k] * math.cos(angle), pose[1] + ranges[k] * math.sin(angle)
     clear = np.empty(n)
     for k in range(n):
         clear[k] = min(sight, ranges[k] - _margin(ends, pose, ranges, k, max_range))
-    between, width = 3, 2 * np.pi / n
+    between, width = 3, 2 * math.pi / n
     for k in range(n):
         for s in range(between):
             length = clear[k] if s == 0 else min(clear[k], clear[(k + 1) % n])
             angle = pose[2] + angles[k] + width * s / between
-            dx, dy = np.cos(angle), np.sin(angle)
+            dx, dy = math.cos(angle), math.sin(angle)
             distance = 0.0 if s == 0 else 0.7 * cell / width
             while distance < length:
-                r = int(np.rint((pose[1] + distance * dy - origin[1]) / cell))
-                c = int(np.rint((pose[0] + distance * dx - origin[0]) / cell))
+                r = math.floor((pose[1] + distance * dy - origin[1]) / cell + 0.5)
+                c = math.floor((pose[0] + distance * dx - origin[0]) / cell + 0.5)
                 score = scores[r, c]
                 scores[r, c] = 0 if score == UNSEEN else max(score - 1, -FIRM)
                 distance += 0.7 * cell  # more would jump over corners of cells
@@ -198,11 +200,11 @@ def draw_scan(
             continue
         following = (k + 1) % n
         across, up = ends[following, 0] - ends[k, 0], ends[following, 1] - ends[k, 1]
-        gap = np.hypot(across, up)
+        gap = math.hypot(across, up)
         pieces = int(gap / cell) + 1 if gap < 0.4 and ranges[following] < max_range else 1
         for piece in range(pieces):
-            r = int(np.rint((ends[k, 1] + up * piece / pieces - origin[1]) / cell))
-            c = int(np.rint((ends[k, 0] + across * piece / pieces - origin[0]) / cell))
+            r = math.floor((ends[k, 1] + up * piece / pieces - origin[1]) / cell + 0.5)
+            c = math.floor((ends[k, 0] + across * piece / pieces - origin[0]) / cell + 0.5)
             scores[r, c] = min(max(scores[r, c], 0) + 4, FIRM)
 
 
@@ -228,7 +230,7 @@ def _margin(
         if ranges[other] < max_range:
             x, y = ends[other, 0] - ends[k, 0], ends[other, 1] - ends[k, 1]
             cross = (ends[k, 0] - pose[0]) * y - (ends[k, 1] - pose[1]) * x
-            sine, lonely = max(sine, abs(cross) / max(1e-9, ranges[k] * np.hypot(x, y))), False
+            sine, lonely = max(sine, abs(cross) / max(1e-9, ranges[k] * math.hypot(x, y))), False
     if lonely:
         return 0.15
     return min(3.0, max(0.15, 0.12 / max(1e-9, sine)))
@@ -253,7 +255,7 @@ def paint_row(
 
     Cells that belong to a row of another label, and clearly less area, keep it.
     """
-    cosine, sine = np.cos(phi), np.sin(phi)
+    cosine, sine = math.cos(phi), math.sin(phi)
     for i in range(len(b)):
         along, across = (u[i] + u[i + 1]) / 2, (b[i] + t[i]) / 2
         half_u, half_v = (u[i + 1] - u[i]) / 2, (t[i] - b[i]) / 2
@@ -295,7 +297,7 @@ def driving_costs(
             clearance[r, c] *= np.float32(cell)
             short = max(0.0, (comfortable - clearance[r, c]) / (comfortable - forbidden))
             closed = scores[r, c] == UNSEEN or clearance[r, c] < forbidden
-            cost[r, c] = np.inf if closed else 1.0 + 4.0 * short * short
+            cost[r, c] = math.inf if closed else 1.0 + 4.0 * short * short
     return cost, clearance
 
 
@@ -303,13 +305,13 @@ def driving_costs(
 def clearances(scores: NDArray[np.int8]) -> NDArray[np.float32]:
     """Return each cell's distance to the nearest occupied cell, in cells (3 x 3 chamfer, within 4 %)."""
     rows, columns = scores.shape
-    out = np.full((rows, columns), np.float32(1e6))
+    out = np.empty((rows, columns), np.float32)
     for r in range(rows):
         for c in range(columns):
             if scores[r, c] > 0:
                 out[r, c] = 0.0
                 continue
-            best = out[r, c]
+            best = np.float32(1e6)
             if r > 0:
                 best = min(best, out[r - 1, c] + np.float32(0.96))
                 if c > 0:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -22,20 +24,20 @@ def look_ahead(cost: NDArray[np.float32], path: NDArray[np.float64], farthest: f
         Longest line tried, in cells.
     """
     best = min(1, len(path) - 1)
-    worst = cost[int(np.rint(path[0, 1])), int(np.rint(path[0, 0]))]
+    worst = cost[math.floor(path[0, 1] + 0.5), math.floor(path[0, 0] + 0.5)]
     x0, y0 = path[0, 0], path[0, 1]
     for j in range(1, len(path)):
         x, y = path[j, 0], path[j, 1]
-        length = np.hypot(x - x0, y - y0)
+        length = math.hypot(x - x0, y - y0)
         if length > farthest:
             break
-        here = cost[int(np.rint(y)), int(np.rint(x))]
+        here = cost[math.floor(y + 0.5), math.floor(x + 0.5)]
         worst = max(worst, here)
         steps = int(2 * length) + 1
         clear = True
         for s in range(1, steps):
             along = s / steps
-            there = cost[int(np.rint(y0 + along * (y - y0))), int(np.rint(x0 + along * (x - x0)))]
+            there = cost[math.floor(y0 + along * (y - y0) + 0.5), math.floor(x0 + along * (x - x0) + 0.5)]
             if there > 1.2 * worst + 0.3:
                 clear = False
                 break
@@ -73,17 +75,17 @@ def pursue(
     max_speed, max_turn_rate, max_acceleration
         Limits in m/s, rad/s and m/s².
     """
-    angle = np.arctan2(y, x)
+    angle = math.atan2(y, x)
     turn = min(max(4.0 * angle, -max_turn_rate), max_turn_rate)
     if abs(angle) > 0.9:
         return 0.0, turn
-    clearance = np.inf
+    clearance = math.inf
     for k in range(len(points)):
-        clearance = min(clearance, np.hypot(points[k, 0], points[k, 1]))
-    speed = max_speed * np.cos(angle) ** 3
+        clearance = min(clearance, math.hypot(points[k, 0], points[k, 1]))
+    speed = max_speed * math.cos(angle) ** 3
     speed = min(speed, 0.35 + 1.8 * max(0.0, clearance - touch))
-    if np.isfinite(remaining):
-        speed = min(speed, 0.7 * np.sqrt(2.0 * max_acceleration * remaining))
+    if math.isfinite(remaining):
+        speed = min(speed, 0.7 * math.sqrt(2.0 * max_acceleration * remaining))
     keep = min(touch + 0.02, clearance - 0.002)  # a robot that touches already may only get away
     for _ in range(6):
         if _clear(speed, turn, 0.25 + speed / max_acceleration, points, keep):
@@ -100,8 +102,8 @@ def _clear(speed: float, turn: float, duration: float, points: NDArray[np.float6
     far = (keep + speed * duration) ** 2
     for _ in range(int(duration / step) + 1):
         heading += 0.5 * turn * step
-        x += speed * np.cos(heading) * step
-        y += speed * np.sin(heading) * step
+        x += speed * math.cos(heading) * step
+        y += speed * math.sin(heading) * step
         heading += 0.5 * turn * step
         for k in range(len(points)):
             px, py = points[k, 0], points[k, 1]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -44,23 +46,25 @@ def search(
         The goal's cell; where it cannot be reached, the reachable cell next to it (straight-line distance).
     """
     rows, columns = cost.shape
-    everywhere = np.isnan(goal_x)
-    goal_column, goal_row = (-1, -1) if everywhere else (int(np.rint(goal_x)), int(np.rint(goal_y)))
+    everywhere = math.isnan(goal_x)
+    goal_column, goal_row = -1, -1
+    if not everywhere:
+        goal_column, goal_row = math.floor(goal_x + 0.5), math.floor(goal_y + 0.5)
     outside = goal_column < 0 or goal_column >= columns or goal_row < 0 or goal_row >= rows
     flat_cost, flat_reach, flat_parent = cost.ravel(), reach.ravel(), parent.ravel()
-    flat_reach[:] = np.inf
-    flat_parent[:] = -1
-    keys = np.empty(1024, np.float32)
-    cells = np.empty(1024, np.int32)
+    for cell in range(rows * columns):
+        flat_reach[cell], flat_parent[cell] = math.inf, -1
+    keys = np.empty(8 * rows * columns, np.float32)  # every cell is put in by each of its neighbours at most
+    cells = np.empty(8 * rows * columns, np.int32)
     flat_reach[start] = 0.0
     keys[0], cells[0] = 0.0, start
     size = 1
-    nearest, nearest_distance = start, np.inf
+    nearest, nearest_distance = start, math.inf
     while size > 0:
         key, cell = keys[0], cells[0]
         size = _sift_down(keys, cells, size)
         row, column = cell // columns, cell % columns
-        remaining = 0.0 if everywhere else np.hypot(goal_x - column, goal_y - row)
+        remaining = 0.0 if everywhere else math.hypot(goal_x - column, goal_y - row)
         if key > flat_reach[cell] + remaining + 1e-3:
             continue  # reached more cheaply in the meantime
         if not everywhere:
@@ -69,23 +73,21 @@ def search(
             border = row == 0 or column == 0 or row == rows - 1 or column == columns - 1
             if (row == goal_row and column == goal_column) or (outside and border):
                 return cell
-        here = flat_cost[cell] if np.isfinite(flat_cost[cell]) else 1.0
+        here = flat_cost[cell] if flat_cost[cell] < math.inf else 1.0
         for k in range(8):
             dr, dc = _STEPS[k, 0], _STEPS[k, 1]
             r, c = row + dr, column + dc
             if r < 0 or c < 0 or r >= rows or c >= columns:
                 continue
             there = r * columns + c
-            if not np.isfinite(flat_cost[there]):
+            if not flat_cost[there] < math.inf:
                 continue
             length = DIAGONAL if dr != 0 and dc != 0 else 1.0
             total = np.float32(flat_reach[cell] + length * 0.5 * (here + flat_cost[there]))
-            if total < flat_reach[there]:
+            if total < flat_reach[there] and size < len(keys):
                 flat_reach[there] = total
                 flat_parent[there] = cell
-                if size == len(keys):
-                    keys, cells = np.append(keys, np.empty_like(keys)), np.append(cells, np.empty_like(cells))
-                ahead = 0.0 if everywhere else np.hypot(goal_x - c, goal_y - r)
+                ahead = 0.0 if everywhere else math.hypot(goal_x - c, goal_y - r)
                 size = _sift_up(keys, cells, size, float(total + ahead), there)
     return nearest
 

@@ -5,6 +5,7 @@ The grid is square, centred on the robot and aligned with its heading: which ray
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -93,7 +94,7 @@ def obstacle_points(
         pieces = 1
         x1, y1 = ranges[following] * directions[following, 0], ranges[following] * directions[following, 1]
         if ranges[following] < max_range:
-            distance = np.hypot(x1 - x, y1 - y)
+            distance = math.hypot(x1 - x, y1 - y)
             if distance < gap:
                 pieces = int(distance / spacing) + 1
         for piece in range(pieces):
@@ -130,11 +131,12 @@ def driving_cost(
     """
     size = cost.shape[0]
     half = size // 2
-    reach = int(np.ceil(comfortable / cell))
-    nearest = np.full((size, size), np.float32(comfortable * comfortable))  # squared distance to the nearest point
+    reach = math.ceil(comfortable / cell)
+    nearest = np.empty((size, size), np.float32)  # squared distance to the nearest point
+    nearest[:] = comfortable * comfortable
     for k in range(len(points)):
         px, py = points[k, 0] / cell + half, points[k, 1] / cell + half
-        column, row = int(np.rint(px)), int(np.rint(py))
+        column, row = math.floor(px + 0.5), math.floor(py + 0.5)
         for r in range(max(0, row - reach), min(size, row + reach + 1)):
             dy2 = (r - py) ** 2
             for c in range(max(0, column - reach), min(size, column + reach + 1)):
@@ -145,10 +147,10 @@ def driving_cost(
     trapped = nearest[half, half] < forbidden * forbidden
     for r in range(size):
         for c in range(size):
-            clearance = np.sqrt(nearest[r, c])
+            clearance = math.sqrt(nearest[r, c])
             if clearance < forbidden:
                 close = trapped and abs(r - half) + abs(c - half) <= 5
-                cost[r, c] = ESCAPE_COST * (2.0 - clearance / forbidden) if close else np.inf
+                cost[r, c] = ESCAPE_COST * (2.0 - clearance / forbidden) if close else math.inf
                 continue
             k = ray[r, c]
             seen = min(ranges[k], ranges[(k + 1) % n])
