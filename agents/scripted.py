@@ -24,6 +24,9 @@ SURE = 0.95
 """Probability of being inside, and of type and existence, from which the robot believes that it has arrived."""
 CONFIRMATIONS = 5
 """Consecutive steps for which it has to believe so before it declares."""
+FIRST_LOOK = 20
+"""Steps of standing still at the start: at rest the pose is certain, and the regions on whose headings the whole map
+will hang are measured many times."""
 LOST = 0.5
 """Standard deviation of the position (m) above which it declares nothing."""
 WAY_POINT = 2.0
@@ -101,6 +104,9 @@ class ScriptedAgent:
 
     def _drive(self, view: View, ranges: Floats) -> Floats:
         """Return the speeds towards the target, which is chosen anew when due."""
+        if self._time < FIRST_LOOK:
+            self._words = "taking a first look"
+            return np.zeros(2)
         self._decide(view)
         if self.target is None:
             self._words = "looking around"

@@ -13,7 +13,7 @@ from slam.rows import Floats
 from slam.se2 import wrap
 
 INSTITUTE_TOUR = (
-    *("hallway 1", "office 2", "laboratory 1", "kitchen", "hallway 4", "office 18", "laboratory 4", "office 15"),
+    *("lobby", "office 2", "laboratory 1", "kitchen", "hallway 4", "office 18", "laboratory 4", "office 15"),
     *("hallway 3", "laboratory 3", "office 12", "stairs 1", "lobby", "hallway 1", "office 5", "hallway 2"),
     *("meeting room", "hallway 4", "stairs 2", "classroom 2", "office 10", "hallway 3", "service room", "classroom 1"),
     *("hallway 3", "lobby", "office 16", "storage 4", "office 1", "hallway 2", "office 7", "lobby"),

@@ -6,7 +6,7 @@ import pytest
 from gymnasium import spaces
 
 from agents.progress import PATIENCE, Progress
-from agents.scripted import CONFIRMATIONS, ScriptedAgent
+from agents.scripted import CONFIRMATIONS, FIRST_LOOK, ScriptedAgent
 from regionslam_env.config import SEMANTIC_TYPES, RobotConfig
 from regionslam_env.observations import observation_space
 from slam.rows import Row
@@ -23,10 +23,10 @@ def agent(components: int = 3) -> ScriptedAgent:
 
 
 def declared(*rooms: Room, pose: tuple[float, float, float] = (0, 0, 0), sigma: float = 0.05) -> int | None:
-    """Return after how many steps the agent declares, None within 20."""
+    """Return after how many steps the agent declares, None within 20 after the first look."""
     scripted = agent()
     lidar = scan(np.array(pose), WALLS)
-    for step in range(20):
+    for step in range(FIRST_LOOK + 20):
         action = scripted.act(observe(pose, rooms, "kitchen", lidar, sigma))
         assert SPACE is not None and action.shape == (3,) and action.dtype == np.float32 and np.all(np.abs(action) <= 1)
         if action[2] > 0:
@@ -71,7 +71,7 @@ def test_a_break_in_the_belief_starts_the_count_anew() -> None:
 
 def test_without_declaration_it_stays() -> None:
     scripted, pose = agent(2), np.zeros(3)
-    for _ in range(60):
+    for _ in range(FIRST_LOOK + 60):
         action = scripted.act(observe(tuple(pose), [ROOM], "kitchen", scan(pose, WALLS)))
         assert action.shape == (2,)
         pose = move(pose, action)
@@ -83,13 +83,14 @@ def test_passes_a_door_into_the_room_it_looks_for() -> None:
     office = Room("office", Row.from_parameters(-3, 0, 6, 6))
     kitchen = Room("kitchen", Row.from_parameters(3, 0, 6, 6))
     scripted, pose, rng = agent(), np.array([-4.0, -2.0, 2.0]), np.random.default_rng(0)
-    for _ in range(150):
+    for step in range(FIRST_LOOK + 150):
         inside = kitchen.row.contains(pose[None, :2])[0]
         rooms = [office, kitchen._replace(contains_me=float(inside))]
         action = scripted.act(observe(tuple(pose), rooms, "kitchen", scan(pose, walls, rng.normal(0, 0.02, 180))))
         if action[2] > 0:
             break
-        assert scripted.say() in ("driving to the kitchen", "looking for the way to the kitchen")
+        moving = ("driving to the kitchen", "looking for the way to the kitchen")
+        assert scripted.say() in (("taking a first look",) if step < FIRST_LOOK else moving)
         pose = move(pose, action.astype(float))
         assert clearance(pose[:2], walls) > 0.25
     assert action[2] > 0 and pose[0] > 0.4
@@ -100,7 +101,7 @@ def test_same_observations_same_actions() -> None:
     two.act(observe((5, 5, 1), [], "office"))
     two.reset()
     pose = np.array([0.5, 0.5, 0.3])
-    for _ in range(20):
+    for _ in range(FIRST_LOOK + 20):
         observation = observe(tuple(pose), [ROOM._replace(type="office")], "kitchen", scan(pose, WALLS))
         action = one.act(observation)
         assert np.array_equal(action, two.act(observation))
