@@ -16,7 +16,7 @@ from slam.region_map import RegionMap
 from slam.rows import Floats
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class Belief:
     """The belief after a step. It reads the filter's arrays, so it is valid until the next step; `map` is a copy.
 

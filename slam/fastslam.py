@@ -2,28 +2,30 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from slam.association import ASSOCIATION, CANDIDATE, CANDIDATES_PER_MEASUREMENT, associate
 from slam.belief import Belief, moments
-from slam.config import SlamConfig
+from slam.config import Parameters, SlamConfig
 from slam.duplicates import resolve_duplicates
 from slam.edge_form import observe
 from slam.existence import update_existence
 from slam.geometric_update import update_geometry
-from slam.jit import Array, Record, njit
+from slam.jit import Array, njit
 from slam.measurement import Scan
 from slam.motion import Odometry
 from slam.particles import ParticleSet
 from slam.proposal import draw, place, predict, propose
 from slam.region import REGION
-from slam.resampling import systematic
+from slam.resampling import resample
 from slam.semantic_update import update_semantics
 from slam.topology_update import measured_relations, update_topology
-from slam.weights import normalise, weights
+from slam.weights import normalise
 
 NO_VIEW = np.zeros((0, 2))
 
@@ -39,10 +41,10 @@ def update_particles(
     view: Array,
     normals: Array,
     scan_number: int,
-    p: Record,
+    parameters: tuple[Any, ...],
 ) -> float:
     """Take one scan through the filter, section III of the paper; return the effective sample size."""
-    n = len(records)
+    n, p = len(records), Parameters(*parameters)
     measured = np.zeros((n, 4), REGION)
     associations = np.empty((len(particles), n), ASSOCIATION)
     candidates = np.empty((len(particles), n * CANDIDATES_PER_MEASUREMENT), CANDIDATE)
@@ -84,7 +86,7 @@ class RegionSLAM:
 
     def __init__(self, config: SlamConfig | None = None, seed: int | np.random.Generator | None = None) -> None:
         self.config = config or SlamConfig()
-        self._parameters = self.config.parameters()
+        self._parameters = tuple(self.config.parameters())  # Numba unpacks a plain tuple five times faster
         self._rng = np.random.default_rng(seed)
         self.reset()
 
@@ -111,7 +113,7 @@ class RegionSLAM:
     def predict(self, odometry: Odometry) -> None:
         """Move by odometry: p(x_t | x_{t-1}, u_t) of every particle, kept as a Gaussian until the next scan."""
         motion = (odometry.distance, odometry.lateral, odometry.rotation)
-        if not np.isfinite(sum(motion)):
+        if not math.isfinite(sum(motion)):
             raise ValueError(f"odometry is {odometry!r}, expected finite numbers")
         noise = self.config.motion_noise
         predict(self._set.particles, *motion, noise.distance, noise.heading_per_metre, noise.heading_per_radian)
@@ -172,8 +174,7 @@ class RegionSLAM:
         """Draw ancestors when the effective sample size is low."""
         particles = self._set.particles
         if self._ess < self.config.resample_below * len(particles):
-            self._set.gather(systematic(weights(particles["log_weight"]), self._rng.random()))
-            particles["log_weight"] = -np.log(len(particles))
+            resample(particles, self._set.regions, self._set.links, self._rng.random())
 
 
 def _checked_pose(pose: ArrayLike) -> NDArray[np.float64]:

@@ -70,12 +70,11 @@ class ParticleSet:
 
     def make_room(self, regions: int, links: int) -> None:
         """Grow the arrays so that every particle can take so many more regions and links."""
-        needed = int(self.particles["n_slots"].max()) + regions
-        if needed > self.regions.shape[1]:
-            self.regions = _grown(self.regions, needed)
-        needed = int(self.particles["n_links"].max()) + links
-        if needed > self.links.shape[1]:
-            self.links = _grown(self.links, needed)
+        slots, link_slots = most_used(self.particles)
+        if slots + regions > self.regions.shape[1]:
+            self.regions = _grown(self.regions, slots + regions)
+        if link_slots + links > self.links.shape[1]:
+            self.links = _grown(self.links, link_slots + links)
 
     def gather(self, ancestors: NDArray[np.int64]) -> None:
         """Replace the particles by copies of their ancestors, shape (P,); no two share memory."""
@@ -86,6 +85,15 @@ def _grown(array: NDArray[np.void], needed: int) -> NDArray[np.void]:
     larger = np.zeros((array.shape[0], max(needed, 2 * array.shape[1])), array.dtype)
     larger[:, : array.shape[1]] = array
     return larger
+
+
+@njit
+def most_used(particles: Array) -> tuple[int, int]:
+    """Return the largest number of slots and of link slots that any particle uses."""
+    slots, links = 0, 0
+    for i in range(len(particles)):
+        slots, links = max(slots, particles[i].n_slots), max(links, particles[i].n_links)
+    return slots, links
 
 
 @njit

@@ -1,16 +1,35 @@
-"""Resampling schemes: from weights to ancestors."""
+"""Resampling: from weights to ancestors, and from ancestors to equally probable particles."""
 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+
+from slam.jit import Array, njit
+from slam.particles import gather
+from slam.weights import weights
 
 
-def systematic(weights: NDArray[np.float64], uniform: float) -> NDArray[np.int64]:
+@njit
+def systematic(weights: Array, uniform: float) -> Array:
     """Return ancestors, shape (P,), by systematic resampling with one number drawn from [0, 1).
 
     Ancestor i appears floor(P w_i) or ceil(P w_i) times. A cumulative sum that rounding leaves below 1 is scaled to it.
     """
+    n = len(weights)
     cumulative = np.cumsum(weights)
-    positions = (np.arange(len(weights)) + uniform) / len(weights) * cumulative[-1]
-    return np.minimum(np.searchsorted(cumulative, positions, side="right"), len(weights) - 1)
+    ancestors = np.empty(n, np.int64)
+    ancestor = 0
+    for i in range(n):
+        position = (i + uniform) / n * cumulative[-1]
+        while ancestor < n - 1 and cumulative[ancestor] <= position:
+            ancestor += 1
+        ancestors[i] = ancestor
+    return ancestors
+
+
+@njit
+def resample(particles: Array, regions: Array, links: Array, uniform: float) -> None:
+    """Replace the particles by copies of drawn ancestors, all of one weight; `uniform` is drawn from [0, 1)."""
+    gather(particles, regions, links, systematic(weights(particles["log_weight"].copy()), uniform))
+    for i in range(len(particles)):
+        particles[i].log_weight = -np.log(len(particles))

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from slam.jit import Array, njit
 
@@ -27,7 +26,8 @@ def normalise(particles: Array) -> Any:
     return 1.0 / squares
 
 
-def weights(log_weights: NDArray[np.float64]) -> NDArray[np.float64]:
+@njit
+def weights(log_weights: Array) -> Array:
     """Return normalised weights, shape (P,), from log weights."""
     w = np.exp(log_weights - np.max(log_weights))
-    return np.asarray(w / w.sum())
+    return w / np.sum(w)

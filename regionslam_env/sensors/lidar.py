@@ -10,6 +10,8 @@ from regionslam_env.geometry import NearbyIndex, cast, ray_angles, ray_direction
 from regionslam_env.worlds.world import WorldArrays
 from slam.jit import njit
 
+Floats = NDArray[np.float64]
+
 
 class Lidar:
     """Casts rays against walls and obstacles, with noise on what they hit.
@@ -34,7 +36,7 @@ class Lidar:
     def __init__(self, config: SensorConfig, noise: NoiseConfig, arrays: WorldArrays, rng: np.random.Generator) -> None:
         self._range, self._sigma, self._rng = config.lidar_range, noise.lidar_sigma, rng
         self.angles = ray_angles(config.n_lidar_rays)
-        self._normals = np.empty(config.n_lidar_rays)
+        self._normals = np.zeros(config.n_lidar_rays)
         self._directions = ray_directions(config.n_lidar_rays)
         self._segments = np.concatenate([arrays.walls, arrays.obstacles])
         self._nearby = NearbyIndex(segment_boxes(self._segments), self._range)
@@ -47,15 +49,44 @@ class Lidar:
         """Return the distance along every ray from a pose, shape (n,), m: the range where there is nothing."""
         x, y, theta = pose.tolist()
         ranges = np.empty(len(self.angles))
-        cast(x, y, theta, self._range, self._directions, self._segments, self._nearby.near(x, y), ranges)
         if self._sigma > 0:
             self._rng.standard_normal(out=self._normals)
-            blur(ranges, self._normals, self._sigma, self._range)
+        scan_ranges(
+            x,
+            y,
+            theta,
+            self._range,
+            self._directions,
+            self._segments,
+            self._nearby.near(x, y),
+            self._normals,
+            self._sigma,
+            ranges,
+        )
         return ranges
 
 
 @njit
-def blur(ranges: NDArray[np.float64], normals: NDArray[np.float64], sigma: float, reach: float) -> None:
+def scan_ranges(
+    x: float,
+    y: float,
+    theta: float,
+    reach: float,
+    directions: Floats,
+    segments: Floats,
+    nearby: NDArray[np.int64],
+    normals: Floats,
+    sigma: float,
+    ranges: Floats,
+) -> None:
+    """Write noisy distances; for the arguments see `cast` and `blur`."""
+    cast(x, y, theta, reach, directions, segments, nearby, ranges)
+    if sigma > 0:
+        blur(ranges, normals, sigma, reach)
+
+
+@njit
+def blur(ranges: Floats, normals: Floats, sigma: float, reach: float) -> None:
     """Add noise of standard deviation `sigma` to every distance below `reach`, within [0, reach]."""
     for k in range(ranges.shape[0]):
         if ranges[k] < reach:
