@@ -8,6 +8,7 @@ import pytest
 from agents.benchmark import PARTS, benchmark_environment, benchmark_filter, timed
 
 
+@pytest.mark.compiled
 def test_the_environment_is_timed_by_part():
     result = benchmark_environment(steps=200, repeats=2, max_steps=60)
     assert result["steps"] == 200 and result["steps_per_second"] > 0 and result["reset_ms"] > 0
@@ -16,6 +17,7 @@ def test_the_environment_is_timed_by_part():
     assert sum(v for k, v in parts.items() if k != "total") == pytest.approx(parts["total"])
 
 
+@pytest.mark.compiled
 def test_the_filter_is_timed_on_a_map_of_the_size_asked_for():
     result = benchmark_filter(measurements=4, regions=9, steps=20, repeats=2)
     assert result["filter_us"] > 0 and result["regions"] == 9

@@ -28,12 +28,14 @@ def mission(tmp_path_factory) -> tuple[Path, object]:
     return out, invoke(*START_IN_A_LINE, "--out", out, "--json")
 
 
+@pytest.mark.compiled
 def test_a_mission_ends_with_success(mission):
     _, result = mission
     assert result.exit_code == 0, result.output
     assert "I am in" in result.stdout and "Done" in result.stdout
 
 
+@pytest.mark.compiled
 def test_the_summary_is_the_last_line_and_a_file(mission):
     out, result = mission
     summary = last_json(result)
@@ -44,6 +46,7 @@ def test_the_summary_is_the_last_line_and_a_file(mission):
     assert 0 < summary["spl"] <= 1 and summary["path_length"] >= 2 and 0 <= summary["ape_end"] <= summary["ape_max"]
 
 
+@pytest.mark.compiled
 def test_every_output_is_complete(mission):
     out, _ = mission
     assert sorted(p.name for p in out.iterdir()) == ["map.geojson", "map.png", "mission.gif", "summary.json"]
@@ -55,6 +58,7 @@ def test_every_output_is_complete(mission):
     assert any(f["properties"]["type"] == "hallway" for f in features)
 
 
+@pytest.mark.compiled
 def test_the_same_command_gives_the_same_summary(mission):
     _, result = mission
     first, second = last_json(result), last_json(invoke(*START_IN_A_LINE, "--json"))
@@ -62,6 +66,7 @@ def test_the_same_command_gives_the_same_summary(mission):
     assert json.dumps(first) == json.dumps(second)
 
 
+@pytest.mark.compiled
 def test_a_failed_mission_has_exit_code_1(monkeypatch):
     monkeypatch.setattr("agents.run.MAX_STEPS", 3)
     result = invoke("run", "go to the kitchen", "--start-distance", 20, "--json")
@@ -120,6 +125,7 @@ def test_an_output_folder_that_is_a_file(tmp_path):
     assert result.exit_code == 2 and "expected a folder" in result.stderr
 
 
+@pytest.mark.compiled
 def test_worlds_are_listed_and_shown(tmp_path):
     worlds = last_json(invoke("world", "list", "--json"))["worlds"]
     assert "institute" in [w["name"] for w in worlds]
@@ -129,6 +135,7 @@ def test_worlds_are_listed_and_shown(tmp_path):
         assert picture.size[0] == 1280
 
 
+@pytest.mark.compiled
 def test_a_world_survives_import_and_validation(tmp_path):
     from regionslam_env.worlds.format import save_world
     from regionslam_env.worlds.loading import load
@@ -141,6 +148,7 @@ def test_a_world_survives_import_and_validation(tmp_path):
     assert valid["valid"] is True and valid["unreachable"] == []
 
 
+@pytest.mark.compiled
 def test_evaluation_prints_means_and_intervals():
     result = invoke("evaluate", "random", "--episodes", 2, "--split", "test", "--goal", "kitchen", "--json")
     assert result.exit_code == 0, result.output

@@ -43,6 +43,7 @@ def env():
     env.close()
 
 
+@pytest.mark.compiled
 def test_episodes_are_those_of_consecutive_seeds(env):
     told = []
     results = evaluate(env, make_agent("random", env), 2, seed=5, tell=lambda k, metrics: told.append((k, metrics)))
@@ -52,6 +53,7 @@ def test_episodes_are_those_of_consecutive_seeds(env):
     assert again["seed"] == 6 and again["steps"] <= 30
 
 
+@pytest.mark.compiled
 def test_the_random_agent_declares_nothing_and_repeats_itself(env):
     one, other = make_agent("random", env, seed=1), make_agent("random", env, seed=1)
     for _ in range(5):

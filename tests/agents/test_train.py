@@ -22,6 +22,7 @@ def model(tmp_path_factory) -> Path:
     return train(settings, progress=False)
 
 
+@pytest.mark.compiled
 def test_training_leaves_model_checkpoints_and_logs(model):
     assert model.is_file()
     assert len(list((model.with_suffix("") / "checkpoints").glob("*.zip"))) >= 2
@@ -29,12 +30,14 @@ def test_training_leaves_model_checkpoints_and_logs(model):
     assert not list(model.parent.glob(".*"))
 
 
+@pytest.mark.compiled
 def test_a_saved_model_knows_its_environment(model):
     loaded = load(model)
     assert loaded.num_timesteps >= STEPS
     assert loaded.regionslam == {"env_id": "RegionSLAM/GoTo-v0", "env_kwargs": {"max_steps": 100}}
 
 
+@pytest.mark.compiled
 def test_a_saved_model_can_be_evaluated(model):
     result = CliRunner().invoke(app, ["evaluate", str(model), "--episodes", "2", "--json"])
     assert result.exit_code == 0, result.output
@@ -43,6 +46,7 @@ def test_a_saved_model_can_be_evaluated(model):
     assert values["metrics"]["success"]["n"] == 2 and values["metrics"]["steps"]["mean"] <= 100
 
 
+@pytest.mark.compiled
 def test_a_model_of_another_environment_is_refused(model):
     result = CliRunner().invoke(app, ["evaluate", str(model), "--env", "RegionSLAM/GoTo-Declare-v0"])
     assert result.exit_code == 2 and "action space" in result.stderr

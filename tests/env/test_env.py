@@ -7,7 +7,6 @@ import warnings
 from itertools import pairwise
 
 import gymnasium
-import numba
 import numpy as np
 import pytest
 from gymnasium.error import ResetNeeded
@@ -25,7 +24,7 @@ IDS = tuple(ENVIRONMENTS)
 FLOOR = two_rooms()
 OFFICE, KITCHEN = (3.0, 2.0, 0.0), (9.0, 2.0, 0.0)
 
-compiled_only = pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="minutes without the JIT")
+compiled_only = pytest.mark.compiled
 
 
 def make(**kwargs):

@@ -16,6 +16,7 @@ def test_there_are_examples():
 
 
 @pytest.mark.parametrize("example", EXAMPLES)
+@pytest.mark.compiled
 def test_an_example_runs(example, capsys):
     exec(compile(example, README.name, "exec"), {"__name__": "readme"})
     assert capsys.readouterr().out.strip()

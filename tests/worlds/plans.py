@@ -2,11 +2,10 @@
 
 from pathlib import Path
 
-import numba
 import pytest
 
 PLANS = Path(__file__).parents[2].parent / "shared" / "data" / "plans"
 LUPERTO = sorted((PLANS / "luperto").glob("*.xml"))
-compiled_only = pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="minutes without the JIT")
+compiled_only = pytest.mark.compiled
 
 MISSING = f"no floor plans in {PLANS}"
