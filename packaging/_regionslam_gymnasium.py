@@ -9,7 +9,7 @@ import sys
 
 
 class _AfterGymnasium:
-    """Meta path finder that lets the others find `gymnasium` and registers our environments once it has been executed."""
+    """Meta path finder that lets the others find `gymnasium` and registers our environments once it has run."""
 
     def find_spec(self, name, path=None, target=None):
         if name != "gymnasium":
