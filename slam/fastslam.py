@@ -19,13 +19,13 @@ from slam.geometric_update import update_geometry
 from slam.jit import Array, njit
 from slam.measurement import Scan
 from slam.motion import Odometry
-from slam.particles import ParticleSet
+from slam.particles import ParticleSet, gather
 from slam.proposal import draw, place, predict, propose
 from slam.region import REGION
-from slam.resampling import resample
+from slam.resampling import systematic
 from slam.semantic_update import update_semantics
 from slam.topology_update import measured_relations, update_topology
-from slam.weights import normalise
+from slam.weights import normalise, weights
 
 NO_VIEW = np.zeros((0, 2))
 
@@ -62,6 +62,14 @@ def update_particles(
     update_existence(particles, regions, measured, associations, candidates, n_candidates, view, p)
     resolve_duplicates(particles, regions, measured, associations, scan_number, p)
     return normalise(particles)
+
+
+@njit
+def resample(particles: Array, regions: Array, links: Array, uniform: float) -> None:
+    """Replace the particles by copies of drawn ancestors, all of one weight; `uniform` is drawn from [0, 1)."""
+    gather(particles, regions, links, systematic(weights(particles["log_weight"].copy()), uniform))
+    for i in range(len(particles)):
+        particles[i].log_weight = -np.log(len(particles))
 
 
 class RegionSLAM:

@@ -1,12 +1,10 @@
-"""Resampling: from weights to ancestors, and from ancestors to equally probable particles."""
+"""Resampling schemes: from weights to ancestors."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from slam.jit import Array, njit
-from slam.particles import gather
-from slam.weights import weights
 
 
 @njit
@@ -25,11 +23,3 @@ def systematic(weights: Array, uniform: float) -> Array:
             ancestor += 1
         ancestors[i] = ancestor
     return ancestors
-
-
-@njit
-def resample(particles: Array, regions: Array, links: Array, uniform: float) -> None:
-    """Replace the particles by copies of drawn ancestors, all of one weight; `uniform` is drawn from [0, 1)."""
-    gather(particles, regions, links, systematic(weights(particles["log_weight"].copy()), uniform))
-    for i in range(len(particles)):
-        particles[i].log_weight = -np.log(len(particles))
