@@ -159,6 +159,8 @@ class Observer:
         self.space = observation_space(n_slots, len(self.types), robot, n_lidar_rays, lidar_range)
         self._limits = np.array([robot.step, 2 * robot.max_speed, 2 * robot.max_turn_rate, lidar_range])
         self._sizes = {key: space.shape[0] for key, space in self.space.items() if space.shape}
+        self._regions_shape = (n_slots, tables.TYPES + len(self.types))
+        self._links_shape = (LINKS_PER_SLOT * n_slots, LINK_COLUMNS)
         self._ids = np.full(n_slots, -1)
         self._places = np.full(n_slots, -1)
         self._type_columns = np.zeros(0, np.int64)
@@ -195,8 +197,7 @@ class Observer:
         if len(belief.types) != len(self._type_columns):
             self._learn_types(belief.types)
         size = self._sizes
-        regions = np.zeros((size["regions_mask"], RegionColumn.TYPES + len(self.types)), np.float32)
-        links = np.zeros((size["links_mask"], LINK_COLUMNS), np.float32)
+        regions, links = np.zeros(self._regions_shape, np.float32), np.zeros(self._links_shape, np.float32)
         observation: Observation = {
             "pose": np.empty(4, np.float32),
             "pose_cov": np.empty(9, np.float32),

@@ -7,6 +7,7 @@ else it lies where the view ends and is open. The noise is drawn on the paramete
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,24 +49,34 @@ class RegionSensor:
     """
 
     def __init__(self, config: SensorConfig, noise: NoiseConfig, arrays: WorldArrays, rng: np.random.Generator) -> None:
-        self._noise, self._reach = noise, config.range
-        self._confidence, self._link_confidence = config.confidence, config.link_confidence
-        self._limits = (config.range, config.edge_tolerance, config.closed_length)
-        self._told = (noise.regions.sigma_xy, noise.regions.sigma_wh, noise.regions.sigma_phi)
-        self._gain = math.sqrt(noise.simulated_factor)
+        self._noise, self._confidence = noise, config.confidence
         self._rows, self._types = np.asarray(arrays.rows).view(np.ndarray), arrays.types
         self._walls = arrays.walls if config.occlusion else np.zeros((0, 4))
         self._near_walls = NearbyIndex(segment_boxes(self._walls), config.range)
         self._near_rows = NearbyIndex(_circle_boxes(self._rows), config.range)
-        self._adjacency = _adjacency(arrays.links, len(self._rows))
-        self._directions = ray_directions(config.n_view_rays)
-        in_view = np.abs(ray_angles(config.n_view_rays)) <= config.field_of_view / 2 + 1e-9
-        self._open = in_view.astype(np.float64)
-        self._ranges = np.empty(config.n_view_rays)
+        starts, neighbours = _adjacency(arrays.links, len(self._rows))
+        self._most_links = int(np.diff(starts).max(initial=0))
+        self._n_rays = config.n_view_rays
+        in_view = np.abs(ray_angles(self._n_rays)) <= config.field_of_view / 2 + 1e-9
+        self._given = (
+            self._walls,
+            self._rows,
+            ray_directions(self._n_rays),
+            in_view.astype(np.float64),
+            (config.range, config.edge_tolerance, config.closed_length),
+            (noise.regions.sigma_xy, noise.regions.sigma_wh, noise.regions.sigma_phi),
+            math.sqrt(noise.simulated_factor),
+            config.confidence,
+            starts,
+            neighbours,
+            config.link_confidence,
+        )
+        self._room = (
+            np.empty(self._n_rays),
+            np.zeros(len(self._rows), np.int64),
+            np.full(len(self._rows), -1, np.int64),
+        )
         self._normals = np.zeros(max(_BLOCK, DRAWS * len(self._rows)))
-        self._which = np.zeros(len(self._rows), np.int64)
-        self._slots = np.full(len(self._rows), -1, np.int64)
-        self._most_links = int(np.diff(self._adjacency[0]).max(initial=0))
         self.reset(rng)
 
     def reset(self, rng: np.random.Generator) -> None:
@@ -77,33 +88,26 @@ class RegionSensor:
     def measure(self, pose: NDArray[np.float64]) -> Scan:
         """Return what is seen from a true pose x (m), y (m), theta (rad), shape (3,)."""
         x, y, theta = pose.tolist()
-        ranges, directions, view = self._ranges, self._directions, np.empty((len(self._open), 2))
         near_walls, nearby = self._near_walls.near(x, y), self._near_rows.near(x, y)
-        cast(x, y, theta, self._reach, directions, self._walls, near_walls, ranges)
-        outline(directions, ranges, self._open, view)
+        view = np.empty((self._n_rays, 2))
         records = np.empty(len(nearby), MEASUREMENT)
+        links = np.empty(len(nearby) * self._most_links, LINK)
         self._draw(len(nearby))
-        count = scan_regions(
+        count, found = sense(
             x,
             y,
             theta,
-            self._rows,
+            near_walls,
             nearby,
-            directions,
-            ranges,
-            self._limits,
-            self._told,
-            self._gain,
-            self._confidence,
+            self._given,
+            self._room,
             self._normals[self._drawn :],
-            self._which,
+            self.sightings,
+            view,
             records,
+            links,
         )
         self._drawn += count * DRAWS
-        self.sightings[self._which[:count]] += 1
-        starts, neighbours = self._adjacency
-        links = np.empty(count * self._most_links, LINK)
-        found = write_links(self._which, count, starts, neighbours, self._link_confidence, self._slots, links)
         scan = Scan.from_records(records[:count], self._types, links[:found], view)
         noise = self._noise
         if noise.misclassification or noise.misses or noise.false_positives:
@@ -115,6 +119,38 @@ class RegionSensor:
         if self._drawn + measurements * DRAWS > len(self._normals):
             self._rng.standard_normal(out=self._normals)
             self._drawn = 0
+
+
+@njit
+def sense(
+    x: float,
+    y: float,
+    theta: float,
+    near_walls: Ints,
+    nearby: Ints,
+    given: Any,
+    room: tuple[Floats, Ints, Ints],
+    normals: Floats,
+    sightings: Ints,
+    view: Floats,
+    records: NDArray[np.void],
+    links: NDArray[np.void],
+) -> tuple[int, int]:
+    """Write view, measurements and links, and count the sightings; return how many measurements and links there are.
+
+    `given` is what the sensor and its world are, and `room` holds its rays, the regions measured and their places; for
+    each of these, and the other arguments, see `cast`, `outline`, `scan_regions` and `write_links`.
+    """
+    walls, rows, directions, open_rays, limits, told, gain, confidence, starts, neighbours, link_confidence = given
+    ranges, which, slots = room
+    cast(x, y, theta, limits[0], directions, walls, near_walls, ranges)
+    outline(directions, ranges, open_rays, view)
+    count = scan_regions(
+        x, y, theta, rows, nearby, directions, ranges, limits, told, gain, confidence, normals, which, records
+    )
+    for k in range(count):
+        sightings[which[k]] += 1
+    return count, write_links(which, count, starts, neighbours, link_confidence, slots, links)
 
 
 @njit
