@@ -3,7 +3,7 @@
 A velocity that is written into a body before each step replaces the one the contacts have just allowed, and the robot
 drives through walls. Here the wheels push: the space damps every velocity to zero, and each step's force alone brings
 it to what the wheels command, after the positions have moved and before the contacts are solved. So a contact has the
-last word.
+last word. Where nothing is near, the engine is left out.
 """
 
 from __future__ import annotations
@@ -17,7 +17,9 @@ from numpy.typing import NDArray
 
 from regionslam_env.config import RobotConfig
 from regionslam_env.simulation.chipmunk import Push, fast_push
+from regionslam_env.simulation.coasting import STEP, coast
 from regionslam_env.simulation.robot import DifferentialDrive
+from regionslam_env.worlds.clearance import clearance_grid
 from regionslam_env.worlds.world import WALL_RADIUS, World
 
 _SLOP = 0.001  # depth that a contact leaves alone, m
@@ -51,6 +53,10 @@ class Simulation:
         self._dt = self.config.step / self.config.substeps
         self._space, self._body = _build(world, self.config.radius, self._dt)
         self._push: Push = fast_push(self._space, self._body)
+        # Whoever is that far from everything touches nothing in this step, and the engine has forgotten the last touch.
+        forgotten = (self._space.collision_persistence + 1) * self._dt
+        self._margin = self.config.max_speed * (self.config.step + forgotten) + STEP
+        self._grid: tuple[Any, ...] = tuple(clearance_grid(world, self.config.radius, STEP, 0.0))
         self.reset(0.0, 0.0, 0.0)
 
     def reset(self, x: float, y: float, theta: float) -> None:
@@ -62,6 +68,7 @@ class Simulation:
         for _ in range(self._space.collision_persistence + 2):
             self._push(0.0, 0.0, self._dt)
         self._move(float(x), float(y))
+        self._in_engine = True  # whether the engine knows where the robot is
         self._x, self._y, self._theta = float(x), float(y), math.remainder(theta, 2 * math.pi)
         self._ahead = self._theta  # heading after the velocity that is commanded but not yet driven
         self._speed_x = self._speed_y = 0.0
@@ -77,12 +84,26 @@ class Simulation:
     def step(self, speed: float, turn_rate: float) -> None:
         """Drive for one environment step towards a commanded speed (m/s) and turn rate (rad/s)."""
         velocities, self._ahead = self.drive.follow(speed, turn_rate, self._ahead)
+        self._theta = math.remainder(self._ahead - self.drive.turn_rate * self._dt, 2 * math.pi)
+        free, x, y, speed_x, speed_y = coast(
+            self._grid, self._margin, self._x, self._y, self._speed_x, self._speed_y, velocities, self._dt
+        )
+        if free:
+            self._in_engine = self.collided = False
+            self._arrive(x, y, speed_x, speed_y)
+        else:
+            self._touch(velocities)
+
+    def _touch(self, velocities: NDArray[np.float64]) -> None:
+        """Drive these velocities (m/s), one for each substep, in the engine, and see whether something cuts them."""
+        if not self._in_engine:
+            self._body.position, self._body.velocity = (self._x, self._y), (self._speed_x, self._speed_y)
+            self._in_engine = True
         push, dt = self._push, self._dt
         way_x, way_y, last_x, last_y = 0.0, 0.0, self._speed_x, self._speed_y
         for force_x, force_y in velocities.tolist():  # forces are velocities: the body's mass is dt
             way_x, way_y, last_x, last_y = way_x + last_x, way_y + last_y, force_x, force_y
             push(force_x, force_y, dt)
-        self._theta = math.remainder(self._ahead - self.drive.turn_rate * dt, 2 * math.pi)
         self._compare(way_x * dt, way_y * dt, last_x, last_y)
 
     def _compare(self, way_x: float, way_y: float, last_x: float, last_y: float) -> None:
@@ -91,10 +112,14 @@ class Simulation:
         dx, dy = x - self._x, y - self._y
         cut = abs(speed_x - last_x) + abs(speed_y - last_y)
         self.collided = abs(dx - way_x) + abs(dy - way_y) + cut * self._dt > _HELD_BACK
-        self.path_length += math.hypot(dx, dy)
-        self._x, self._y, self._speed_x, self._speed_y = x, y, speed_x, speed_y
+        self._arrive(x, y, speed_x, speed_y)
         # Drops what contacts would still push the body next: hidden in the engine, it would not survive pickling.
         pymunk.Body.update_position(self._body, 0.0)
+
+    def _arrive(self, x: float, y: float, speed_x: float, speed_y: float) -> None:
+        """Take over the position (m) and velocity (m/s) at the end of a step."""
+        self.path_length += math.hypot(x - self._x, y - self._y)
+        self._x, self._y, self._speed_x, self._speed_y = x, y, speed_x, speed_y
 
     @property
     def pose(self) -> NDArray[np.float64]:

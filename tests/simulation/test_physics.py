@@ -7,6 +7,7 @@ import pytest
 from regionslam_env.config import RobotConfig
 from regionslam_env.simulation.chipmunk import fast_push, plain_push
 from regionslam_env.simulation.physics import Simulation
+from regionslam_env.worlds.clearance import exact_clearance, shapes_of
 from tests.floors import bent_hallway, furnished_room, long_hallway, single_room, two_rooms
 
 CLEARANCE = 0.25  # robot's radius and half a wall
@@ -190,6 +191,32 @@ def test_the_short_way_into_the_engine_gives_the_same_as_the_public_one():
         short.step(speed, turn_rate)
         public.step(speed, turn_rate)
         assert np.array_equal(short.pose, public.pose)
+
+
+@pytest.mark.parametrize("start", [(1, 0, 0.4), (7, 0, 0.4), (7, 4, -1.6)])
+def test_coasting_gives_the_same_as_the_engine_alone(start):
+    coasting, engine = Simulation(bent_hallway()), Simulation(bent_hallway())
+    engine._margin = math.inf
+    free = touched = 0
+    for simulation in (coasting, engine):
+        simulation.reset(*start)
+    for speed, turn_rate in np.repeat(commands(), 5, axis=0).tolist():
+        coasting.step(speed, turn_rate)
+        engine.step(speed, turn_rate)
+        assert np.array_equal(coasting.pose, engine.pose)
+        assert np.array_equal(coasting.twist, engine.twist)
+        assert (coasting.collided, coasting.path_length) == (engine.collided, engine.path_length)
+        free, touched = free + (not coasting._in_engine), touched + engine.collided
+    assert free > 100
+    assert touched > 50
+
+
+def test_coasting_never_starts_near_anything():
+    simulation = Simulation(furnished_room())
+    for x in np.linspace(-3, 3, 61):
+        simulation.reset(x, 0, 0)
+        simulation.step(1, 0)
+        assert simulation._in_engine or exact_clearance(x, 0.0, shapes_of(furnished_room()), 0.2) > 0.14
 
 
 def test_a_slower_robot_and_a_longer_step():
