@@ -149,12 +149,12 @@ class Geodesic:
         if field is not None:
             value = field.nodes
             mask &= np.isfinite(value) & (value >= at_least) & (value <= at_most)
-        nodes = np.argwhere(mask)
+        nodes = np.flatnonzero(mask)
         if not len(nodes):
             where = "" if field is None else f" between {at_least:g} and {at_most:g} m from the goal"
             raise WorldError(f"world {self.world.name!r}: no free place{where} for a disc of {self.radius:g} m")
         for _ in range(1000):
-            i, j = nodes[rng.integers(len(nodes))]
+            i, j = divmod(int(nodes[rng.integers(len(nodes))]), mask.shape[1])
             dx, dy = rng.uniform(-0.5, 0.5, 2) * STEP
             x, y = self.grid.x0 + i * STEP + dx, self.grid.y0 + j * STEP + dy
             if self.free(x, y, margin) and (field is None or at_least <= field.at(x, y) <= at_most):
