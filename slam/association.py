@@ -27,7 +27,7 @@ from slam.jit import Array, Record, njit
 from slam.region import b_index, u_index
 
 ASSOCIATION = np.dtype(
-    (np.record, [("slot", np.int32), ("turn", np.int32), ("turn_map", np.int32), ("offset", np.int32)])
+    (np.record, [("slot", np.int64), ("turn", np.int64), ("turn_map", np.int64), ("offset", np.int64)])
 )
 """What a measurement is to a particle: a slot (or NEW, AMBIGUOUS), quarter turns of z and m, offset of their rows."""
 
@@ -37,12 +37,12 @@ CANDIDATE = np.dtype(
     (
         np.record,
         [
-            ("z", np.int32),
-            ("slot", np.int32),
-            ("turn", np.int32),
-            ("turn_map", np.int32),
-            ("offset", np.int32),
-            ("same_type", np.int32),
+            ("z", np.int64),
+            ("slot", np.int64),
+            ("turn", np.int64),
+            ("turn_map", np.int64),
+            ("offset", np.int64),
+            ("same_type", np.int64),
             ("distance", np.float64),
             ("log_likelihood", np.float64),
         ],
@@ -78,7 +78,7 @@ def associate(
     """
     work = workspace()
     turned = np.zeros_like(measured[:1, 0])
-    near = np.zeros(regions.shape[1], np.int32)
+    near = np.zeros(regions.shape[1], np.int64)
     circles = bounding_circles(measured)
     areas = np.zeros(regions.shape[1])
     for i in range(len(particles)):

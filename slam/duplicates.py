@@ -37,7 +37,7 @@ def resolve_duplicates(
         return
     work = workspace()
     scratch, candidate, stand = np.zeros(5, REGION), np.zeros(1, CANDIDATE), np.zeros(1, PARTICLE)
-    near = np.zeros(regions.shape[1], np.int32)
+    near = np.zeros(regions.shape[1], np.int64)
     chosen = scan_number % len(measured)
     for i in range(len(particles)):
         slot = associations[i, chosen].slot

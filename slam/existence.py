@@ -34,7 +34,7 @@ def update_existence(
 
     A region that fits some measurement of any type is explained; only a place seen empty counts against it.
     """
-    near = np.zeros(regions.shape[1], np.int32)
+    near = np.zeros(regions.shape[1], np.int64)
     for i in range(len(particles)):
         particle = particles[i]
         explained = np.zeros(regions.shape[1], np.bool_)

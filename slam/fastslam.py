@@ -103,7 +103,7 @@ class RegionSLAM:
         self._set = ParticleSet.at(_checked_pose(pose), self.config.n_particles)
         self._types: list[str] = []
         self._type_index: dict[str, int] = {}
-        self._known_types: dict[tuple[str, ...], NDArray[np.int32]] = {}
+        self._known_types: dict[tuple[str, ...], NDArray[np.int64]] = {}
         self._scan_number = 0
         self._ess = float(self.config.n_particles)
         return self.belief
@@ -167,7 +167,7 @@ class RegionSLAM:
             self.config.confirmed_after,
         )
 
-    def _type_numbers(self, types: Sequence[str]) -> NDArray[np.int32]:
+    def _type_numbers(self, types: Sequence[str]) -> NDArray[np.int64]:
         """Return the filter's numbers of a scan's types; an unknown type is a new type."""
         key = tuple(types)
         if key not in self._known_types:
@@ -175,7 +175,7 @@ class RegionSLAM:
                 if name not in self._type_index:
                     self._type_index[name] = len(self._types)
                     self._types.append(name)
-            self._known_types[key] = np.array([self._type_index[name] for name in key], np.int32)
+            self._known_types[key] = np.array([self._type_index[name] for name in key], np.int64)
         return self._known_types[key]
 
     def _resample(self) -> None:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import hashlib
 import os
 import sys
+import tempfile
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
@@ -42,17 +43,24 @@ def njit(function: F) -> F:
 
 @cache
 def cache_folder(package: str) -> Path:
-    """Return the cache folder for the kernels of a top-level package; its name digests `slam`'s kernels and its own."""
+    """Return the cache folder for the kernels of a top-level package.
+
+    Its name digests all sources of `slam` and of the package, since a kernel freezes the constants it uses, too.
+    """
     digest = hashlib.sha256(numba.__version__.encode())
     roots = {Path(__file__).parent, _root(package)}
     for root in sorted(roots):
         for source in sorted(root.rglob("*.py")):
-            text = source.read_bytes()
-            if b"njit" in text:
-                digest.update(source.relative_to(root).as_posix().encode())
-                digest.update(text)
+            digest.update(source.relative_to(root).as_posix().encode())
+            digest.update(source.read_bytes())
     home = os.environ.get("NUMBA_CACHE_DIR") or Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache"))
-    return Path(home) / "regionslam" / digest.hexdigest()[:16]
+    folder = Path(home) / "regionslam" / digest.hexdigest()[:16]
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError:
+        # A home that cannot be written to: compiled code then lives as long as the machine's temporary files.
+        folder = Path(tempfile.gettempdir()) / "regionslam" / folder.name
+    return folder
 
 
 def _root(package: str) -> Path:

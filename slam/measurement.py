@@ -19,9 +19,9 @@ MEASUREMENT = np.dtype(
     (
         np.record,
         [
-            ("type", np.int32),  # index into the scan's types
-            ("n", np.int32),  # rectangles
-            ("main", np.int32),  # index of the main rectangle: 1 where there is a left subrectangle
+            ("type", np.int64),  # index into the scan's types
+            ("n", np.int64),  # rectangles
+            ("main", np.int64),  # index of the main rectangle: 1 where there is a left subrectangle
             ("edges", np.int8, (10,)),  # states in the order of EDGE_NAMES
             ("confidence", np.float64),  # p(z)
             ("x", np.float64),
@@ -42,7 +42,7 @@ MEASUREMENT = np.dtype(
 )
 """One measured region in the paper's parameters (Fig. 1), robot frame."""
 
-LINK = np.dtype((np.record, [("source", np.int32), ("target", np.int32), ("confidence", np.float64)]))
+LINK = np.dtype((np.record, [("source", np.int64), ("target", np.int64), ("confidence", np.float64)]))
 """A measured topological link between two measurements of one scan: p(z_m -> z_n)."""
 
 

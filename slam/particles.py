@@ -25,8 +25,8 @@ PARTICLE = np.dtype(
             ("expected", np.float64, (3,)),  # of the last proposal, what the belief reports
             ("spread", np.float64, (3, 3)),  # covariance of the last proposal
             ("log_weight", np.float64),
-            ("n_slots", np.int32),  # no slot from here on is in use
-            ("n_links", np.int32),
+            ("n_slots", np.int64),  # no slot from here on is in use
+            ("n_links", np.int64),
         ],
     )
 )
@@ -35,10 +35,10 @@ LINK_BELIEF = np.dtype(
     (
         np.record,
         [
-            ("target", np.int32),  # slot
+            ("target", np.int64),  # slot
             ("target_id", np.int64),  # the link is stale once the slot holds another region
-            ("next", np.int32),
-            ("kind", np.int32),
+            ("next", np.int64),
+            ("kind", np.int64),
             ("log_odds", np.float64),
         ],
     )

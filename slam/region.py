@@ -41,14 +41,14 @@ REGION = np.dtype(
         np.record,
         [
             ("id", np.int64),  # of the first sighting, inherited by resampling
-            ("type", np.int32),  # index into the filter's list of types
-            ("n", np.int32),  # rectangles; 0 marks a free slot
-            ("main", np.int32),  # index of the main rectangle
-            ("sightings", np.int32),
-            ("last_seen", np.int32),  # number of the scan
-            ("first_link", np.int32),  # head of the list of links, -1 for none
-            ("rival", np.int32),  # slot of the more credible hypothesis for the same place, -1 for none
-            ("visited", np.int32),  # the robot has been inside
+            ("type", np.int64),  # index into the filter's list of types
+            ("n", np.int64),  # rectangles; 0 marks a free slot
+            ("main", np.int64),  # index of the main rectangle
+            ("sightings", np.int64),
+            ("last_seen", np.int64),  # number of the scan
+            ("first_link", np.int64),  # head of the list of links, -1 for none
+            ("rival", np.int64),  # slot of the more credible hypothesis for the same place, -1 for none
+            ("visited", np.int64),  # the robot has been inside
             ("type_log_odds", np.float64),
             ("existence", np.float64),  # log-odds
             ("confidence", np.float64),  # p(z) of a measurement

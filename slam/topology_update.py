@@ -71,7 +71,7 @@ def update_topology(
     A link is remembered from its first measurement on. Where either region was not measured nothing changes, eq. (15).
     """
     n = associations.shape[1]
-    measured_as = np.full(regions.shape[1], -1, np.int32)
+    measured_as = np.full(regions.shape[1], -1, np.int64)
     for i in range(len(particles)):
         for z in range(n):
             if associations[i, z].slot >= 0:

@@ -10,6 +10,7 @@ spurious otherwise. The overlap that is reported is that in place, unshifted.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -73,7 +74,7 @@ def overlapping_pairs(
     mapped: Sequence[RegionFeature], rows: list[Row], truth: Sequence[TrueRegion], threshold: float, tolerance: float
 ) -> list[Pair]:
     """Return all pairs whose overlap over the smaller area reaches the threshold, best first."""
-    shapes, true_shapes = [_Shape.of(row) for row in rows], [_Shape.of(region.row) for region in truth]
+    shapes, true_shapes = [_shape(row) for row in rows], [_shape(region.row) for region in truth]
     pairs = []
     for i, j in np.argwhere(_near(shapes, true_shapes, tolerance)):
         (corners, _, area), true_area = shapes[i], true_shapes[j].area
@@ -135,10 +136,12 @@ class _Shape(NamedTuple):
     box: Floats
     area: float
 
-    @classmethod
-    def of(cls, row: Row) -> _Shape:
-        corners = row.rectangles().reshape(-1, 2)
-        return cls(corners, np.array([corners.min(axis=0), corners.max(axis=0)]), row.area)
+
+@lru_cache(maxsize=1024)
+def _shape(row: Row) -> _Shape:
+    """Return the shape of a row; the true ones are asked for at the end of every episode."""
+    corners = row.rectangles().reshape(-1, 2)
+    return _Shape(corners, np.array([corners.min(axis=0), corners.max(axis=0)]), row.area)
 
 
 def _near(shapes: list[_Shape], others: list[_Shape], distance: float) -> NDArray[np.bool_]:
