@@ -119,7 +119,8 @@ class Scan:
         The measured regions.
     view
         Visible polygon in the robot's frame, shape (k, 2), m, counter-clockwise and star-shaped about the robot: what
-        lies inside and was not measured is evidence against a region. None: no such evidence.
+        lies inside and was not measured is evidence against a region. A view narrower than a full turn begins with the
+        robot itself, (0, 0). None: no such evidence.
     noise
         Noise of measurements that do not tell their own.
     """

@@ -27,6 +27,9 @@ _BLOCK = 4096  # normal numbers drawn at a time
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
+ROBOT = np.zeros((1, 2))
+"""First corner of a view that is narrower than a full turn."""
+
 
 class RegionSensor:
     """Measures regions within its range, in the robot's frame.
@@ -58,6 +61,8 @@ class RegionSensor:
         self._most_links = int(np.diff(starts).max(initial=0))
         self._n_rays = config.n_view_rays
         in_view = np.abs(ray_angles(self._n_rays)) <= config.field_of_view / 2 + 1e-9
+        # Only with the robot itself, then the rays in sight, are the corners of a narrower view in order of angle.
+        self._sighted = None if in_view.all() else np.flatnonzero(in_view)
         self._given = (
             self._walls,
             self._rows,
@@ -108,6 +113,8 @@ class RegionSensor:
             links,
         )
         self._drawn += count * DRAWS
+        if self._sighted is not None:
+            view = np.concatenate((ROBOT, view[self._sighted]))
         scan = Scan.from_records(records[:count], self._types, links[:found], view)
         noise = self._noise
         if noise.misclassification or noise.misses or noise.false_positives:

@@ -9,6 +9,7 @@ from regionslam_env.worlds.loading import load
 from regionslam_env.worlds.world import Region, World
 from slam.region import EdgeState
 from slam.rows import Row
+from slam.view import is_in_view
 from tests.floors import bent_hallway, box, furnished_room, long_hallway, single_room, two_rooms
 from tests.sensors.reading import corners, edges, find, kinds, look, row_of, sensor, to_world
 
@@ -229,8 +230,10 @@ def test_a_field_of_view_ahead():
     office = find(look(single_room(), (0, 0, 0), **config), "office")
     assert parameters(office) == pytest.approx([1.5, 0, 3, 4, 0])
     assert edges(office) == {"t": CLOSED, "b": CLOSED, "l": OPEN, "r": CLOSED}
-    behind = scan.view[np.abs(np.linspace(-180, 179, 360)) > 45.5]
-    assert not behind.any()
+    assert not scan.view[0].any()
+    angles = np.degrees(np.arctan2(scan.view[1:, 1], scan.view[1:, 0]))
+    np.testing.assert_allclose(angles, np.arange(-45, 46), atol=1e-6)
+    assert is_in_view(scan.view, 3.0, 0.5, 0.0) and not is_in_view(scan.view, 0.5, 3.0, 0.0)
 
 
 @pytest.mark.parametrize(("range_", "state"), [(3.0005, OPEN), (3.1, CLOSED)])
