@@ -95,8 +95,7 @@ def evaluate(
 
     model = load_model(agent)
     trained = {} if model is None else model.regionslam
-    default = "RegionSLAM/GoTo-Declare-v0" if agent == "scripted" else "RegionSLAM/GoTo-v0"
-    env_id = check_environment(env or trained.get("env_id", default))
+    env_id = check_environment(env or trained.get("env_id", "RegionSLAM/GoTo-v0"))
     kwargs = {**trained.get("env_kwargs", {}), **_given(world=world, goal=goal, split=split, localization=localization)}
     environment = gymnasium.make(env_id, **kwargs)
     with _bar() as progress:

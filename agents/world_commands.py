@@ -130,6 +130,10 @@ def _unreachable(world: World) -> list[str]:
     from regionslam_env.worlds.geodesic import Geodesic
 
     rooms = [region for region in world.regions if region.parent is None and region.type != "door"]
+    if not rooms:
+        raise InputError(
+            f"world {world.name!r} has no room: expected a region that is neither a door nor inside another"
+        )
     geodesic = Geodesic(world)
     largest = max(rooms, key=lambda region: region.row.area)
     start = next((point for point in _points(largest.row) if geodesic.free(*point)), None)

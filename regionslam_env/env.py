@@ -78,7 +78,7 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     | links_mask | MultiBinary | (128,) | which rows hold a link |
     | lidar | Box | (180,) | distance (m) along rays all around, counter-clockwise from straight back |
     | goal | Box | (18,) | one-hot over the T semantic types |
-    | progress | Box | (2,) | share of the episode's steps that has passed, share of the mission that is done |
+    | progress | Box | (2,) | share of the episode's steps that has passed, 1 once arrival is declared |
 
     ## Rewards
 
@@ -260,7 +260,7 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         true_pose = episode.in_map(pose)
         belief = self._perceive(odometry, pose, true_pose)
         episode.add(odometry, collided, true_pose, belief.pose_mean, belief.pose_cov)
-        observation = self._observe(odometry, float(outcome.success))
+        observation = self._observe(odometry, float(declared))
         terms = goto_reward(self.reward, outcome.progress, outcome.success, collided, outcome.false_arrival)
 
         terminated = outcome.success or outcome.false_arrival

@@ -140,7 +140,8 @@ def write_contains_me(
         particle = particles[q]
         weight = math.exp(particle.log_weight)
         for slot in range(len(ids)):
-            if ids[slot] >= 0 and abs(rows[slot, 0]) + abs(rows[slot, 1]) < 2 * maps[q, places[slot]].radius + 10:
+            # A slot is kept for a while for a region that the heaviest particle lacks; its row is masked.
+            if ids[slot] >= 0 and places[slot] >= 0:
                 place = place_of(maps[q], ids[slot], places[slot], confirmed_after)
                 if place >= 0:
                     p = probability_inside(maps[q, place], particle["expected"], particle["spread"])

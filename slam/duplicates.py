@@ -43,7 +43,8 @@ def resolve_duplicates(
         slot = associations[i, chosen].slot
         if slot < 0 or regions[i, slot].n == 0:
             continue
-        for j in range(find_near(particles[i], regions[i], measured, near)):
+        n_near = find_near(particles[i], regions[i], measured, near)
+        for j in range(n_near):
             other = near[j]
             a, b = regions[i, slot], regions[i, other]
             if other == slot or b.n == 0 or not share_place(a, b):
@@ -56,10 +57,10 @@ def resolve_duplicates(
                 older, younger = (a, b) if a.id < b.id else (b, a)
                 merge(younger, older, p, work, scratch, candidate[0], stand[0])
                 younger.n = 0
-            settle_rivalry(regions[i], other)
             if a.n == 0:
                 break
-        settle_rivalry(regions[i], slot)
+        for j in range(n_near):
+            settle_rivalry(regions[i], near[j])
 
 
 @njit

@@ -128,6 +128,7 @@ class RegionSLAM:
 
     def update(self, scan: Scan) -> Belief:
         """Update poses and maps with a scan and return the belief."""
+        self._resample()  # of the last scan: until now the belief was that of its weighted particles
         self._scan_number += 1
         n, cloud = len(scan), self._set
         cloud.make_room(regions=n, links=n * n)
@@ -143,9 +144,7 @@ class RegionSLAM:
             self._scan_number,
             self._parameters,
         )
-        belief = self.belief
-        self._resample()
-        return belief
+        return self.belief
 
     @property
     def belief(self) -> Belief:
