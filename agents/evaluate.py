@@ -139,7 +139,7 @@ def evaluate(
         while not done:
             observation, _, terminated, truncated, info = env.step(agent.act(observation))
             done, steps = terminated or truncated, steps + 1
-        metrics = {key: _plain(info[key]) for key in METRICS}
+        metrics = {key: plain(info[key]) for key in METRICS}
         results.append({"seed": seed + episode, "steps": steps, **metrics})
         tell(episode, results[-1])
     return results
@@ -175,5 +175,6 @@ def wilson(rate: float, n: int) -> tuple[float, float]:
     return max(0.0, centre - half), min(1.0, centre + half)
 
 
-def _plain(value: Any) -> Any:
+def plain(value: Any) -> Any:
+    """Return a NumPy scalar as Python's own, for JSON."""
     return value.item() if isinstance(value, np.generic) else value

@@ -10,9 +10,8 @@ from pathlib import Path
 from typing import Any
 
 import gymnasium
-import numpy as np
 
-from agents.evaluate import scripted_agent
+from agents.evaluate import plain, scripted_agent
 from agents.recorder import Recorder
 from regionslam_env.config import SEMANTIC_TYPES
 from regionslam_env.missions.language import parse
@@ -149,12 +148,7 @@ def _summary(settings: RunSettings, info: dict[str, Any], steps: int, wall_secon
         "world": settings.world,
         "seed": settings.seed,
     }
-    return {key: _plain(values[key]) for key in SUMMARY_KEYS}
-
-
-def _plain(value: Any) -> Any:
-    """Return a NumPy scalar as Python's own, for JSON."""
-    return value.item() if isinstance(value, np.generic) else value
+    return {key: plain(values[key]) for key in SUMMARY_KEYS}
 
 
 def _write(out: Path, recorder: Recorder, base: Any, summary: dict[str, Any]) -> None:
