@@ -1,13 +1,15 @@
 """The one compiling decorator of the project.
 
 Numba notices a change of the decorated file only: a kernel that inlined a helper from *another* file keeps running its
-stale machine code. The cache of every kernel therefore lives in a folder named after the sources of all kernels.
+stale machine code. The cache of every kernel therefore lives in a folder named after the sources of all kernels and of
+the modules whose constants they may have frozen.
 """
 
 from __future__ import annotations
 
 import hashlib
 import os
+import re
 import sys
 import tempfile
 from collections.abc import Callable
@@ -45,14 +47,12 @@ def njit(function: F) -> F:
 def cache_folder(package: str) -> Path:
     """Return the cache folder for the kernels of a top-level package.
 
-    Its name digests all sources of `slam` and of the package, since a kernel freezes the constants it uses, too.
+    Its name digests the kernel sources of `slam` and of the package, with all modules of theirs that those import.
     """
     digest = hashlib.sha256(numba.__version__.encode())
-    roots = {Path(__file__).parent, _root(package)}
-    for root in sorted(roots):
-        for source in sorted(root.rglob("*.py")):
-            digest.update(source.relative_to(root).as_posix().encode())
-            digest.update(source.read_bytes())
+    for name, source in _kernel_sources(sorted({Path(__file__).parent, _root(package)})).items():
+        digest.update(name.encode())
+        digest.update(source.read_bytes())
     home = os.environ.get("NUMBA_CACHE_DIR") or Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache"))
     folder = Path(home) / "regionslam" / digest.hexdigest()[:16]
     try:
@@ -68,3 +68,26 @@ def _root(package: str) -> Path:
     module = sys.modules.get(package)
     file = getattr(module, "__file__", None)
     return Path(file).parent if file and Path(file).name == "__init__.py" else Path(__file__).parent
+
+
+def _kernel_sources(roots: list[Path]) -> dict[str, Path]:
+    """Return, by module name, the files below `roots` that use the decorator, and what they import from there, directly or not."""
+    modules = {
+        ".".join((root.name, *source.relative_to(root).with_suffix("").parts)): source
+        for root in roots
+        for source in root.rglob("*.py")
+    }
+    imports = {name: _imported(source) for name, source in modules.items()}
+    waiting = [name for name in modules if "slam.jit" in imports[name]]
+    found = {__name__}
+    while waiting:
+        name = waiting.pop()
+        if name in modules and name not in found:
+            found.add(name)
+            waiting += imports[name]
+    return {name: modules[name] for name in sorted(found) if name in modules}
+
+
+def _imported(source: Path) -> list[str]:
+    """Return the dotted names of the modules that a file imports."""
+    return re.findall(r"^(?:from|import) ([\w.]+)", source.read_text("utf-8"), re.MULTILINE)
