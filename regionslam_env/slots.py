@@ -1,8 +1,8 @@
 """Which believed region stands in which row of an observation (kernels).
 
 A region keeps its slot for as long as it is in the map, whichever particle is the heaviest, until it is evicted for a
-nearer or more relevant one. `ids` (S,) holds the region of each slot, -1 for none, and `places` (S,) where it is in the
-heaviest particle's map; both are carried from step to step.
+nearer or more relevant one. `ids` (S,) holds the region of each slot, -1 for none, and `places` (S,) its slot in the
+filter's maps, -1 where the heaviest particle lacks it; both are carried from step to step.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from slam.extent import to_row
 from slam.jit import njit
-from slam.particles import INSIDE
+from slam.maps import INSIDE, USED_SLOTS, region_of
 from slam.region import b_index, u_index
 
 Records = NDArray[np.void]
@@ -27,8 +27,8 @@ _STAYS = 0.8  # a region is evicted only for one that is clearly more wanted, or
 def assign(
     ids: NDArray[np.int64],
     places: NDArray[np.int64],
-    regions: Records,
-    links: Records,
+    maps: Any,
+    heaviest: int,
     pose: NDArray[np.float64],
     types: NDArray[np.int64],
     goal: int,
@@ -39,29 +39,31 @@ def assign(
     A region that is missing in this map keeps its slot, empty, until somebody needs it: another particle may know it.
     """
     x, y = pose[0], pose[1]
-    taken = np.zeros(len(regions), np.bool_)
+    used = maps.counts[USED_SLOTS]
+    taken = np.zeros(used, np.bool_)
     for slot in range(len(ids)):
         if ids[slot] >= 0:
-            places[slot] = place_of(regions, ids[slot], places[slot], confirmed_after)
+            places[slot] = place_of(maps, heaviest, ids[slot], places[slot], confirmed_after)
             if places[slot] >= 0:
                 taken[places[slot]] = True
     costs = np.zeros(len(ids))  # 0: not known yet
-    for place in range(len(regions)):
-        if taken[place] or not shown(regions[place], confirmed_after):
+    for place in range(used):
+        if taken[place] or not shown(maps, heaviest, place, confirmed_after):
             continue
+        region = region_of(maps, heaviest, place)
         slot = free_slot(ids, places)
         if slot < 0:
             for other in range(len(ids)):
                 if costs[other] == 0:
-                    is_goal = types[regions[places[other]].type] == goal
-                    costs[other] = cost(regions, links, places[other], x, y, is_goal)
+                    held = region_of(maps, heaviest, places[other])
+                    costs[other] = cost(held, maps.links, x, y, types[held.type] == goal)
             slot = 0
             for other in range(len(ids)):
                 if costs[other] > costs[slot]:
                     slot = other
-            if cost(regions, links, place, x, y, types[regions[place].type] == goal) > _STAYS * costs[slot]:
+            if cost(region, maps.links, x, y, types[region.type] == goal) > _STAYS * costs[slot]:
                 continue
-        ids[slot], places[slot], costs[slot] = regions[place].id, place, 0.0
+        ids[slot], places[slot], costs[slot] = region.id, place, 0.0
 
 
 @njit
@@ -77,26 +79,28 @@ def free_slot(ids: NDArray[np.int64], places: NDArray[np.int64]) -> int:
 
 
 @njit
-def place_of(regions: Records, region_id: int, hint: int, confirmed_after: int) -> int:
-    """Return where in the map the shown region with this id is, -1 if nowhere; the hint is tried first."""
-    if 0 <= hint < len(regions) and regions[hint].id == region_id and shown(regions[hint], confirmed_after):
+def place_of(maps: Any, particle: int, region_id: int, hint: int, confirmed_after: int) -> int:
+    """Return the filter's slot of a region that a particle shows, -1 if it shows none; the hint is tried first."""
+    if hint >= 0 and maps.slots[hint].id == region_id and shown(maps, particle, hint, confirmed_after):
         return hint
-    for place in range(len(regions)):
-        if regions[place].id == region_id and shown(regions[place], confirmed_after):
+    for place in range(maps.counts[USED_SLOTS]):
+        if maps.slots[place].id == region_id and shown(maps, particle, place, confirmed_after):
             return place
     return -1
 
 
 @njit
-def shown(region: Any, confirmed_after: int) -> bool:
-    """Return whether a region is to be observed: seen often enough, and not outdone by another type at its place."""
-    return region.n > 0 and region.rival < 0 and region.sightings >= confirmed_after
+def shown(maps: Any, particle: int, place: int, confirmed_after: int) -> bool:
+    """Return whether a region is to be observed: known to a particle, seen often enough, and not outdone there."""
+    if maps.table[particle, place] < 0:
+        return False
+    region = region_of(maps, particle, place)
+    return region.rival < 0 and region.sightings >= confirmed_after
 
 
 @njit
-def cost(regions: Records, links: Records, place: int, x: float, y: float, is_goal: bool) -> float:
+def cost(region: Any, links: Records, x: float, y: float, is_goal: bool) -> float:
     """Return how dispensable a region is: its distance, a quarter of it for the goal's type, more in doubt."""
-    region = regions[place]
     result = (1.0 + distance(region, x, y)) * (2.0 - sigmoid(region.existence))
     if is_goal:
         return 0.25 * result

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from regionslam_env.slots import Records, assign, place_of, sigmoid
 from slam.extent import probability_inside
 from slam.jit import njit
-from slam.particles import INSIDE
+from slam.maps import INSIDE, USED_SLOTS, Maps, is_current, region_of
 from slam.region import b_index, u_index
 
 LENGTH_LIMIT = 1000.0
@@ -35,10 +35,9 @@ def write_map(
     ids: NDArray[np.int64],
     places: NDArray[np.int64],
     pose: NDArray[np.float64],
-    believed: Records,
-    beliefs: Records,
+    heaviest: int,
     particles: Records,
-    maps: Records,
+    arrays: tuple[Any, ...],
     types: NDArray[np.int64],
     n_types: int,
     goal: int,
@@ -48,21 +47,19 @@ def write_map(
 
     `regions` has shape (S, TYPES + n_types), `links` (L, 4), the masks (S,) and (L,).
 
-    `pose` is the particle's pose, `believed` its regions and `beliefs` its links; `types` maps the filter's types to
-    columns.
+    `pose` is the heaviest particle's, `arrays` are those of the filter's `Maps`; `types` maps its types to columns.
     """
-    assign(ids, places, believed, beliefs, pose, types, goal, confirmed_after)
-    slots = np.empty(len(believed), np.int64)
-    for place in range(len(believed)):
-        slots[place] = -1
+    maps = Maps(*arrays)
+    assign(ids, places, maps, heaviest, pose, types, goal, confirmed_after)
+    slots = np.full(maps.counts[USED_SLOTS], -1)
     for slot in range(len(ids)):
         if places[slot] >= 0:
             slots[places[slot]] = slot
             regions_mask[slot] = 1
-            write_region(regions[slot], believed[places[slot]], pose)
-    write_types(regions, slots, believed, types, n_types)
+            write_region(regions[slot], region_of(maps, heaviest, places[slot]), pose)
+    write_types(regions, slots, maps, heaviest, types, n_types)
     write_contains_me(regions, ids, places, particles, maps, confirmed_after)
-    write_links(links, links_mask, places, slots, believed, beliefs)
+    write_links(links, links_mask, places, slots, maps, heaviest)
 
 
 @njit
@@ -102,12 +99,12 @@ def write_region(row: Floats, region: Any, pose: NDArray[np.float64]) -> None:
 
 @njit
 def write_types(
-    rows: Floats, slots: NDArray[np.int64], regions: Records, types: NDArray[np.int64], n_types: int
+    rows: Floats, slots: NDArray[np.int64], maps: Any, heaviest: int, types: NDArray[np.int64], n_types: int
 ) -> None:
     """Write the type probabilities of every slot: its own, those of its rivals, the rest evenly on all others."""
-    for place in range(len(regions)):
-        region = regions[place]
-        if region.n > 0:
+    for place in range(len(slots)):
+        if maps.table[heaviest, place] >= 0:
+            region = region_of(maps, heaviest, place)
             slot = slots[place if region.rival < 0 else region.rival]
             if slot >= 0:
                 rows[slot, TYPES + types[region.type]] += sigmoid(region.type_log_odds)
@@ -132,7 +129,7 @@ def write_contains_me(
     ids: NDArray[np.int64],
     places: NDArray[np.int64],
     particles: Records,
-    maps: Records,
+    maps: Any,
     confirmed_after: int,
 ) -> None:
     """Write the probability, over the particles and their own maps, that the robot is inside each slot's region."""
@@ -142,9 +139,9 @@ def write_contains_me(
         for slot in range(len(ids)):
             # A slot is kept for a while for a region that the heaviest particle lacks; its row is masked.
             if ids[slot] >= 0 and places[slot] >= 0:
-                place = place_of(maps[q], ids[slot], places[slot], confirmed_after)
+                place = place_of(maps, q, ids[slot], places[slot], confirmed_after)
                 if place >= 0:
-                    p = probability_inside(maps[q, place], particle["expected"], particle["spread"])
+                    p = probability_inside(region_of(maps, q, place), particle["expected"], particle["spread"])
                     rows[slot, CONTAINS_ME] = min(1.0, rows[slot, CONTAINS_ME] + weight * p)
 
 
@@ -154,8 +151,8 @@ def write_links(
     mask: NDArray[np.int8],
     places: NDArray[np.int64],
     slots: NDArray[np.int64],
-    regions: Records,
-    links: Records,
+    maps: Any,
+    heaviest: int,
 ) -> None:
     """Write the links between slots, strongest first: first and second slot, probability, kind.
 
@@ -169,11 +166,11 @@ def write_links(
     for slot in range(n):
         if places[slot] < 0:
             continue
-        k = regions[places[slot]].first_link
+        k = region_of(maps, heaviest, places[slot]).first_link
         while k >= 0:
-            link = links[k]
+            link = maps.links[k]
             k = link.next
-            if regions[link.target].n == 0 or regions[link.target].id != link.target_id:
+            if not is_current(maps, heaviest, link):
                 continue
             other = slots[link.target]
             if other < 0 or other == slot:

@@ -24,6 +24,7 @@ from slam.innovation import (
     workspace,
 )
 from slam.jit import Array, Record, njit
+from slam.maps import region_of
 from slam.region import b_index, u_index
 
 ASSOCIATION = np.dtype(
@@ -65,7 +66,9 @@ MARGIN = 1.0
 @njit
 def associate(
     particles: Array,
-    regions: Array,
+    maps: Record,
+    near: Array,
+    n_near: Array,
     measured: Array,
     p: Record,
     associations: Array,
@@ -78,13 +81,11 @@ def associate(
     """
     work = workspace()
     turned = np.zeros_like(measured[:1, 0])
-    near = np.zeros(regions.shape[1], np.int64)
     circles = bounding_circles(measured)
-    areas = np.zeros(regions.shape[1])
+    areas = np.zeros(near.shape[1])
     for i in range(len(particles)):
-        n_near = find_near(particles[i], regions[i], measured, near)
-        for j in range(n_near):
-            areas[j] = area(regions[i, near[j]])
+        for j in range(n_near[i]):
+            areas[j] = area(region_of(maps, i, near[i, j]))
         pose = particles[i].pose
         c, s = np.cos(pose[2]), np.sin(pose[2])
         margin = MARGIN + 5.0 * np.sqrt(particles[i].cov[0, 0] + particles[i].cov[1, 1])
@@ -92,8 +93,8 @@ def associate(
         for z in range(len(measured)):
             x = pose[0] + c * circles[z, 0] - s * circles[z, 1]
             y = pose[1] + s * circles[z, 0] + c * circles[z, 1]
-            for j in range(n_near):
-                m = regions[i, near[j]]
+            for j in range(n_near[i]):
+                m = region_of(maps, i, near[i, j])
                 dx, dy = m.anchor[0] - x, m.anchor[1] - y
                 reach = m.radius + circles[z, 2] + margin
                 if dx * dx + dy * dy > reach * reach or n == candidates.shape[1]:
@@ -101,10 +102,10 @@ def associate(
                 if measured[z, 0].type != m.type and not are_alike(circles[z, 3], areas[j]):
                     continue
                 if compare(measured[z], m, particles[i], p, work, turned[0], candidates[i, n]):
-                    candidates[i, n].z, candidates[i, n].slot = z, near[j]
+                    candidates[i, n].z, candidates[i, n].slot = z, near[i, j]
                     n += 1
         n_candidates[i] = n
-        assign(candidates[i, :n], associations[i], measured, regions.shape[1], p)
+        assign(candidates[i, :n], associations[i], measured, maps.marks, p)
 
 
 @njit
@@ -135,25 +136,6 @@ def bounding_circles(measured: Array) -> Any:
 def are_alike(a: float, b: float) -> bool:
     """Say whether two areas are near enough for two types to be taken for one another."""
     return a < ALIKE * b and b < ALIKE * a
-
-
-@njit
-def find_near(particle: Record, regions: Array, measured: Array, near: Array) -> Any:
-    """List the slots whose bounding circle the scan can touch; return their number."""
-    reach = 0.0
-    for z in range(len(measured)):
-        reach = max(reach, measured[z, 0].radius)
-    reach += 2.0 + 5.0 * np.sqrt(particle.cov[0, 0] + particle.cov[1, 1])
-    n = 0
-    for slot in range(particle.n_slots):
-        m = regions[slot]
-        if m.n > 0:
-            dx, dy = m.anchor[0] - particle.pose[0], m.anchor[1] - particle.pose[1]
-            limit = reach + m.radius
-            if dx * dx + dy * dy < limit * limit:
-                near[n] = slot
-                n += 1
-    return n
 
 
 @njit
@@ -202,11 +184,13 @@ def compare(
 
 
 @njit
-def assign(candidates: Array, associations: Array, measured: Array, n_slots: int, p: Record) -> None:
-    """Give each measurement the region that explains it best, each region once, the most likely pairs first."""
+def assign(candidates: Array, associations: Array, measured: Array, taken: Array, p: Record) -> None:
+    """Give each measurement the region that explains it best, each region once, the most likely pairs first.
+
+    `taken` is scratch, one number per slot, -1 before and after.
+    """
     for z in range(len(measured)):
         associations[z].slot = NEW if can_be_born(measured[z, 0]) else AMBIGUOUS
-    taken = np.zeros(n_slots, np.bool_)
     open_pairs = np.zeros(len(candidates), np.bool_)
     for c in range(len(candidates)):
         open_pairs[c] = candidates[c].same_type and candidates[c].distance < p.gate_associate
@@ -220,11 +204,13 @@ def assign(candidates: Array, associations: Array, measured: Array, n_slots: int
         chosen = candidates[best]
         a = associations[chosen.z]
         a.slot, a.turn, a.turn_map, a.offset = chosen.slot, chosen.turn, chosen.turn_map, chosen.offset
-        taken[chosen.slot] = True
+        taken[chosen.slot] = chosen.z
         for c in range(len(candidates)):
             if candidates[c].z == chosen.z or candidates[c].slot == chosen.slot:
                 open_pairs[c] = False
     for c in range(len(candidates)):
         doubt = candidates[c]
-        if doubt.same_type and associations[doubt.z].slot == NEW and not taken[doubt.slot]:
+        if doubt.same_type and associations[doubt.z].slot == NEW and taken[doubt.slot] < 0:
             associations[doubt.z].slot = AMBIGUOUS
+    for c in range(len(candidates)):
+        taken[candidates[c].slot] = -1

@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from slam.extent import probabilities_inside
+from slam.extent import probability_inside
 from slam.jit import Array, njit
+from slam.maps import Maps
 from slam.paper_form import to_features
 from slam.region_map import RegionMap
 from slam.rows import Floats
@@ -29,40 +30,58 @@ class Belief:
         Effective sample size, 1 to the number of particles.
     pose
         Pose (3,) of the heaviest particle: what its regions are relative to.
-    features
-        Its regions in edge form, an array of `REGION`; slots with ``n == 0`` are free.
+    heaviest
+        Which particle that is.
+    particles, maps
+        All particles, and their maps.
     types
-        What `features["type"]` indexes.
+        What the type of a `REGION` indexes.
     """
 
     pose_mean: Floats
     pose_cov: Floats
     ess: float
     pose: Floats
-    features: NDArray[np.void]
-    links: NDArray[np.void]
-    types: list[str]
+    heaviest: int
     particles: NDArray[np.void]
-    regions: NDArray[np.void]
+    maps: Maps
+    types: list[str]
     confirmed_after: int
 
     @cached_property
     def map(self) -> RegionMap:
         """The confirmed regions, in the map frame."""
-        return RegionMap(to_features(self.features, self.links, self.types, self.confirmed_after))
+        return RegionMap(to_features(self.maps, self.heaviest, self.types, self.confirmed_after))
+
+    @property
+    def features(self) -> NDArray[np.void]:
+        """The heaviest particle's regions in edge form, tentative ones included: an array of `REGION`, by slot."""
+        return self.regions_of(self.heaviest)
+
+    def regions_of(self, particle: int) -> NDArray[np.void]:
+        """Return a copy of a particle's regions, an array of `REGION`, by slot."""
+        records = self.maps.table[particle]
+        return self.maps.pool[records[records >= 0]]
 
     def where(self) -> dict[int, float]:
         """Return P(robot in region) by region id over all particles, the semantic pose; below 0.001 it is left out."""
-        total: dict[int, float] = {}
-        for particle, regions in zip(self.particles, self.regions, strict=True):
-            inside = np.empty(int(particle.n_slots))
-            probabilities_inside(
-                regions[: particle.n_slots], particle.expected, particle.spread, self.confirmed_after, inside
-            )
-            for slot in np.flatnonzero(inside > 0):
-                region = int(regions[slot].id)
-                total[region] = total.get(region, 0.0) + float(np.exp(particle.log_weight) * inside[slot])
-        return {region: p for region, p in total.items() if p >= 0.001}
+        total = np.zeros(len(self.maps.slots))
+        sum_inside(self.particles, self.maps.table, self.maps.pool, self.confirmed_after, total)
+        return {int(self.maps.slots[slot].id): float(total[slot]) for slot in np.flatnonzero(total >= 0.001)}
+
+
+@njit
+def sum_inside(particles: Array, table: Array, pool: Array, confirmed_after: int, total: Array) -> None:
+    """Add up, by slot (S,), the weighted P(robot in region); tentative and outdone regions are left out."""
+    for i in range(len(particles)):
+        particle = particles[i]
+        for slot in range(table.shape[1]):
+            if table[i, slot] >= 0:
+                m = pool[table[i, slot]]
+                if m.rival < 0 and m.sightings >= confirmed_after:
+                    total[slot] += np.exp(particle.log_weight) * probability_inside(
+                        m, particle.expected, particle.spread
+                    )
 
 
 @njit

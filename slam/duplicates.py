@@ -6,12 +6,13 @@ from typing import Any
 
 import numpy as np
 
-from slam.association import CANDIDATE, compare, find_near
+from slam.association import CANDIDATE, compare
 from slam.edge_form import turn
 from slam.extent import area, contains, overlap, point_in_rectangle
 from slam.geometric_update import fuse, take_row
 from slam.innovation import n_closed, workspace
 from slam.jit import Array, Record, njit
+from slam.maps import cover, drop, own, region_of
 from slam.particles import PARTICLE
 from slam.region import MAX_STATE, REGION
 
@@ -27,54 +28,56 @@ TWIN_OVERLAP = 0.5
 
 @njit
 def resolve_duplicates(
-    particles: Array, regions: Array, measured: Array, associations: Array, scan_number: int, p: Record
+    maps: Record, near: Array, n_near: Array, associations: Array, scan_number: int, p: Record
 ) -> None:
     """Compare a region just measured with its neighbours; merge twins, rank rivals, drop outdone hypotheses.
 
     Each scan looks at one of its regions in turn: duplicates need no answer within a tenth of a second.
     """
-    if len(measured) == 0:
+    if associations.shape[1] == 0:
         return
     work = workspace()
     scratch, candidate, stand = np.zeros(5, REGION), np.zeros(1, CANDIDATE), np.zeros(1, PARTICLE)
-    near = np.zeros(regions.shape[1], np.int64)
-    chosen = scan_number % len(measured)
-    for i in range(len(particles)):
+    chosen = scan_number % associations.shape[1]
+    for i in range(len(associations)):
         slot = associations[i, chosen].slot
-        if slot < 0 or regions[i, slot].n == 0:
+        if slot < 0 or maps.table[i, slot] < 0:
             continue
-        n_near = find_near(particles[i], regions[i], measured, near)
-        for j in range(n_near):
-            other = near[j]
-            a, b = regions[i, slot], regions[i, other]
-            if other == slot or b.n == 0 or not share_place(a, b):
+        for j in range(n_near[i]):
+            other = near[i, j]
+            if other == slot or maps.table[i, other] < 0:
+                continue
+            a, b = region_of(maps, i, slot), region_of(maps, i, other)
+            if not share_place(a, b):
                 continue
             if a.type != b.type:
                 if are_rivals(a, b):
-                    rank(regions[i], slot, other)
+                    rank(maps, i, slot, other)
             elif b.last_seen != scan_number and are_twins(a, b):
                 # Two regions of one scan are two regions, so only an unseen one can be the twin.
-                older, younger = (a, b) if a.id < b.id else (b, a)
-                merge(younger, older, p, work, scratch, candidate[0], stand[0])
-                younger.n = 0
-            if a.n == 0:
-                break
-        for j in range(n_near):
-            settle_rivalry(regions[i], near[j])
+                older, younger = (slot, other) if a.id < b.id else (other, slot)
+                kept = own(maps, i, older)
+                merge(region_of(maps, i, younger), kept, p, work, scratch, candidate[0], stand[0])
+                cover(maps, older, kept)
+                drop(maps, i, younger)
+                if younger == slot:
+                    break
+        for j in range(n_near[i]):
+            settle_rivalry(maps, i, near[i, j])
 
 
 @njit
-def settle_rivalry(regions: Array, slot: int) -> None:
+def settle_rivalry(maps: Record, particle: int, slot: int) -> None:
     """Drop a hypothesis that its rival has refuted; free it where the rival is gone or has lost its lead."""
-    m = regions[slot]
-    if m.n == 0 or m.rival < 0:
+    if maps.table[particle, slot] < 0 or region_of(maps, particle, slot).rival < 0:
         return
-    rival = regions[m.rival]
-    # The slot may be free or hold another region by now.
-    if not are_rivals(m, rival) or rival.type_log_odds < m.type_log_odds:
-        m.rival = -1
+    m = region_of(maps, particle, slot)
+    # The slot of the rival may be free or hold another region by now.
+    gone = maps.table[particle, m.rival] < 0 or not are_rivals(m, region_of(maps, particle, m.rival))
+    if gone or region_of(maps, particle, m.rival).type_log_odds < m.type_log_odds:
+        own(maps, particle, slot).rival = -1
     elif m.type_log_odds < REFUTED:
-        m.n = 0
+        drop(maps, particle, slot)
 
 
 @njit
@@ -94,7 +97,7 @@ def share_place(a: Record, b: Record) -> Any:
 @njit
 def are_rivals(a: Record, b: Record) -> bool:
     """Say whether two regions are hypotheses for one place: two types, alike in size, around each other."""
-    return a.n > 0 and b.n > 0 and a.type != b.type and coincide(a, b)
+    return a.type != b.type and coincide(a, b)
 
 
 @njit
@@ -109,17 +112,15 @@ def coincide(a: Record, b: Record) -> bool:
 
 
 @njit
-def rank(regions: Array, i: int, j: int) -> None:
+def rank(maps: Record, particle: int, first: int, second: int) -> None:
     """Mark the less credible of two hypotheses for one place as outdone by the other."""
-    a, b = regions[i], regions[j]
-    if a.type_log_odds > b.type_log_odds or (a.type_log_odds == b.type_log_odds and a.sightings >= b.sightings):
-        b.rival = i
-        if a.rival == j:
-            a.rival = -1
-    else:
-        a.rival = j
-        if b.rival == i:
-            b.rival = -1
+    a, b = region_of(maps, particle, first), region_of(maps, particle, second)
+    leads = a.type_log_odds > b.type_log_odds or (a.type_log_odds == b.type_log_odds and a.sightings >= b.sightings)
+    better, worse = (first, second) if leads else (second, first)
+    if region_of(maps, particle, worse).rival != better:
+        own(maps, particle, worse).rival = better
+    if region_of(maps, particle, better).rival == worse:
+        own(maps, particle, better).rival = -1
 
 
 @njit

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from slam.association import find_near
 from slam.extent import contains, point_in_rectangle
 from slam.jit import Array, Record, njit
+from slam.maps import drop, own, region_of
 from slam.view import is_in_view
 
 LEAST_SHARE = 0.6
@@ -22,8 +22,9 @@ VIEW_MARGIN = 0.3
 @njit
 def update_existence(
     particles: Array,
-    regions: Array,
-    measured: Array,
+    maps: Record,
+    near: Array,
+    n_near: Array,
     associations: Array,
     candidates: Array,
     n_candidates: Array,
@@ -34,28 +35,31 @@ def update_existence(
 
     A region that fits some measurement of any type is explained; only a place seen empty counts against it.
     """
-    near = np.zeros(regions.shape[1], np.int64)
+    explained = maps.marks
     for i in range(len(particles)):
         particle = particles[i]
-        explained = np.zeros(regions.shape[1], np.bool_)
         for c in range(n_candidates[i]):
-            explained[candidates[i, c].slot] = True
-        for z in range(len(measured)):
+            explained[candidates[i, c].slot] = 1
+        for z in range(associations.shape[1]):
             slot = associations[i, z].slot
             if slot >= 0:
-                explained[slot] = True
-                m = regions[i, slot]
+                explained[slot] = 1
+                m = own(maps, i, slot)
                 m.existence = min(m.existence + p.existence_seen, p.existence_ceiling)
-        for j in range(find_near(particle, regions[i], measured, near)):
-            m = regions[i, near[j]]
+        for j in range(n_near[i]):
+            slot = near[i, j]
+            m = region_of(maps, i, slot)
             dx, dy = particle.pose[0] - m.anchor[0], particle.pose[1] - m.anchor[1]
             inside = dx * dx + dy * dy < (m.radius + 0.1) ** 2
             if inside and not m.visited and contains(m, particle.pose[0], particle.pose[1], 0.1):
+                m = own(maps, i, slot)
                 m.visited = 1
-            if not explained[near[j]] and len(view) > 0 and is_expected(m, particle.pose, view, p.sensor_range):
+            if explained[slot] < 0 and len(view) > 0 and is_expected(m, particle.pose, view, p.sensor_range):
+                m = own(maps, i, slot)
                 m.existence -= p.existence_missed
+            explained[slot] = -1
             if m.existence < p.existence_floor:
-                m.n = 0
+                drop(maps, i, slot)
 
 
 @njit

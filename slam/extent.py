@@ -96,12 +96,3 @@ def probability_inside(region: Record, pose: Array, cov: Array) -> Any:
         across = math.erf((region.state[k + 1] - v) / scale_v) - math.erf((region.state[k] - v) / scale_v)
         total += along * across / 4
     return min(total, 1.0)
-
-
-@njit
-def probabilities_inside(regions: Array, pose: Array, cov: Array, confirmed_after: int, out: Record) -> None:
-    """Write P(robot in region) for every slot, shape (S,); zero for free, tentative and outdone ones."""
-    for i in range(len(regions)):
-        m = regions[i]
-        counts = m.n > 0 and m.rival < 0 and m.sightings >= confirmed_after
-        out[i] = probability_inside(m, pose, cov) if counts else 0.0

@@ -17,9 +17,11 @@ from slam.edge_form import observe
 from slam.existence import update_existence
 from slam.geometric_update import update_geometry
 from slam.jit import Array, njit
+from slam.maps import Maps, gather
 from slam.measurement import Scan
 from slam.motion import Odometry
-from slam.particles import ParticleSet, gather
+from slam.near import demand, find_near
+from slam.particles import ParticleSet
 from slam.proposal import draw, place, predict, propose
 from slam.region import REGION
 from slam.resampling import systematic
@@ -31,43 +33,54 @@ NO_VIEW = np.zeros((0, 2))
 
 
 @njit
+def look_up(
+    particles: Array, arrays: tuple[Any, ...], records: Array, type_numbers: Array, measured_links: Array
+) -> Any:
+    """Return what is measured, in edge form, and which regions of each map it can be of; and the room this may need."""
+    n, maps = len(records), Maps(*arrays)
+    measured = np.zeros((n, 4), REGION)
+    relations = np.empty((n, n, 2))
+
+    observe(records, type_numbers, measured)
+    measured_relations(measured, measured_links, relations)
+    near, n_near = find_near(particles, maps, measured)
+    return measured, relations, near, n_near, demand(maps, near, n_near, relations)
+
+
+@njit
 def update_particles(
     particles: Array,
-    regions: Array,
-    links: Array,
-    records: Array,
-    type_numbers: Array,
-    measured_links: Array,
+    arrays: tuple[Any, ...],
+    measured: Array,
+    relations: Array,
+    near: Array,
+    n_near: Array,
     view: Array,
     normals: Array,
     scan_number: int,
     parameters: tuple[Any, ...],
 ) -> float:
     """Take one scan through the filter, section III of the paper; return the effective sample size."""
-    n, p = len(records), Parameters(*parameters)
-    measured = np.zeros((n, 4), REGION)
+    n, maps, p = len(measured), Maps(*arrays), Parameters(*parameters)
     associations = np.empty((len(particles), n), ASSOCIATION)
     candidates = np.empty((len(particles), n * CANDIDATES_PER_MEASUREMENT), CANDIDATE)
     n_candidates = np.zeros(len(particles), np.int64)
-    relations = np.empty((n, n, 2))
 
-    observe(records, type_numbers, measured)
-    associate(particles, regions, measured, p, associations, candidates, n_candidates)
-    propose(particles, regions, measured, associations, p)
+    associate(particles, maps, near, n_near, measured, p, associations, candidates, n_candidates)
+    propose(particles, maps, measured, associations, p)
     draw(particles, normals)
-    update_semantics(particles, regions, measured, candidates, n_candidates, p)
-    update_geometry(particles, regions, measured, associations, scan_number, p)
-    measured_relations(measured, measured_links, relations)
-    update_topology(particles, regions, links, associations, relations, p)
-    update_existence(particles, regions, measured, associations, candidates, n_candidates, view, p)
-    resolve_duplicates(particles, regions, measured, associations, scan_number, p)
+    update_semantics(particles, maps, near, n_near, measured, candidates, n_candidates, p)
+    update_geometry(particles, maps, near, n_near, measured, associations, scan_number, p)
+    update_topology(maps, associations, relations, p)
+    update_existence(particles, maps, near, n_near, associations, candidates, n_candidates, view, p)
+    resolve_duplicates(maps, near, n_near, associations, scan_number, p)
     return normalise(particles)
 
 
 @njit
-def resample(particles: Array, regions: Array, links: Array, uniform: float) -> None:
+def resample(particles: Array, arrays: tuple[Any, ...], uniform: float) -> None:
     """Replace the particles by copies of drawn ancestors, all of one weight; `uniform` is drawn from [0, 1)."""
-    gather(particles, regions, links, systematic(weights(particles["log_weight"].copy()), uniform))
+    gather(particles, Maps(*arrays), systematic(weights(particles["log_weight"].copy()), uniform))
     for i in range(len(particles)):
         particles[i].log_weight = -np.log(len(particles))
 
@@ -130,15 +143,18 @@ class RegionSLAM:
         """Update poses and maps with a scan and return the belief."""
         self._resample()  # of the last scan: until now the belief was that of its weighted particles
         self._scan_number += 1
-        n, cloud = len(scan), self._set
-        cloud.make_room(regions=n, links=n * n)
+        cloud = self._set
+        measured, relations, near, n_near, (records, links) = look_up(
+            cloud.particles, tuple(cloud.maps), scan.records, self._type_numbers(scan.types), scan.links
+        )
+        cloud.make_room(slots=len(scan), records=records, links=links)
         self._ess = update_particles(
             cloud.particles,
-            cloud.regions,
-            cloud.links,
-            scan.records,
-            self._type_numbers(scan.types),
-            scan.links,
+            tuple(cloud.maps),
+            measured,
+            relations,
+            near,
+            n_near,
             NO_VIEW if scan.view is None else scan.view,
             self._rng.standard_normal((len(cloud.particles), 3)),
             self._scan_number,
@@ -149,20 +165,18 @@ class RegionSLAM:
     @property
     def belief(self) -> Belief:
         """The present belief."""
-        particles, regions, links = self._set.particles, self._set.regions, self._set.links
+        particles = self._set.particles
         mean, cov = np.empty(3), np.empty((3, 3))
-        best = moments(particles, mean, cov)
-        used = particles["n_slots"][best]
+        heaviest = moments(particles, mean, cov)
         return Belief(
             mean,
             cov,
             self._ess,
-            particles["pose"][best].copy(),
-            regions[best, :used],
-            links[best],
-            self._types,
+            particles["pose"][heaviest].copy(),
+            heaviest,
             particles,
-            regions,
+            self._set.maps,
+            self._types,
             self.config.confirmed_after,
         )
 
@@ -181,7 +195,7 @@ class RegionSLAM:
         """Draw ancestors when the effective sample size is low."""
         particles = self._set.particles
         if self._ess < self.config.resample_below * len(particles):
-            resample(particles, self._set.regions, self._set.links, self._rng.random())
+            resample(particles, tuple(self._set.maps), self._rng.random())
 
 
 def _checked_pose(pose: ArrayLike) -> NDArray[np.float64]:

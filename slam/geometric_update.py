@@ -16,7 +16,8 @@ from slam.association import NEW
 from slam.edge_form import FLAT_VARIANCE, bounding_radius, state_size, turn
 from slam.innovation import SLACK, condition, correspond, innovate, workspace
 from slam.jit import Array, Record, njit
-from slam.particles import free_slot
+from slam.maps import add, cover, new_slot, own
+from slam.measurement import MAX_MEASUREMENTS
 from slam.region import b_index, u_index
 
 START_SIGMAS = 1.0
@@ -31,31 +32,44 @@ The greatest of 1,000 normal errors is 3.2 standard deviations: standing still m
 
 @njit
 def update_geometry(
-    particles: Array, regions: Array, measured: Array, associations: Array, scan_number: int, p: Record
+    particles: Array,
+    maps: Record,
+    near: Array,
+    n_near: Array,
+    measured: Array,
+    associations: Array,
+    scan_number: int,
+    p: Record,
 ) -> None:
-    """Update every associated region and add the new ones; a new region's slot goes into `associations`."""
+    """Update every associated region and add the new ones; a new region's slot goes into `associations` and `near`."""
     work = workspace()
     turned = np.zeros_like(measured[:1, 0])
+    born = np.full(len(measured), -1, np.int64)  # the slot of a new region is the same for all particles
     for i in range(len(particles)):
         particle = particles[i]
         for j in range(len(measured)):
             a = associations[i, j]
             if a.slot >= 0:
-                m = regions[i, a.slot]
+                m = own(maps, i, a.slot)
                 if a.turn_map:
                     turn(m, 1, turned[0])
                     take_row(turned[0], m)
                 fuse(measured[j, a.turn], m, a.offset, particle.pose, work)
                 m.sightings += 1
                 m.last_seen = scan_number
+                cover(maps, a.slot, m)
         # New regions come last: a region born in this scan explains no other measurement of it.
         for j in range(len(measured)):
             if associations[i, j].slot == NEW:
-                slot = free_slot(particle, regions[i])
-                start(measured[j, 0], particle.pose, regions[i, slot], p)
-                regions[i, slot].id = scan_number * 4096 + j
-                regions[i, slot].last_seen = scan_number
-                associations[i, j].slot = slot
+                region_id = scan_number * MAX_MEASUREMENTS + j
+                if born[j] < 0:
+                    born[j] = new_slot(maps, region_id)
+                m = add(maps, i, born[j])
+                start(measured[j, 0], particle.pose, m, p)
+                m.id, m.last_seen = region_id, scan_number
+                cover(maps, born[j], m)
+                associations[i, j].slot = near[i, n_near[i]] = born[j]
+                n_near[i] += 1
 
 
 @njit
@@ -101,7 +115,7 @@ def start(z: Record, pose: Array, m: Record, p: Record) -> None:
     m.radius = bounding_radius(m)
     m.type, m.type_log_odds = z.type, p.prior_type + z.confidence - 0.5
     m.existence, m.sightings, m.visited = 0.0, 1, 0
-    m.first_link = m.rival = -1
+    m.rival = -1
 
 
 @njit

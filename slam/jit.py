@@ -71,7 +71,7 @@ def _root(package: str) -> Path:
 
 
 def _kernel_sources(roots: list[Path]) -> dict[str, Path]:
-    """Return, by module name, the files below `roots` that use the decorator, and what they import from there, directly or not."""
+    """Return, by module name, the files below `roots` that use the decorator and all that these import from there."""
     modules = {
         ".".join((root.name, *source.relative_to(root).with_suffix("").parts)): source
         for root in roots

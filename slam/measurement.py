@@ -46,6 +46,10 @@ LINK = np.dtype((np.record, [("source", np.int64), ("target", np.int64), ("confi
 """A measured topological link between two measurements of one scan: p(z_m -> z_n)."""
 
 
+MAX_MEASUREMENTS = 4096
+"""A scan holds fewer; a region's id is the number of its first scan times this, plus the measurement's index."""
+
+
 @dataclass(frozen=True)
 class MeasurementNoise:
     """Standard deviations of a region sensor; sizes below 1 m are measured in proportion.

@@ -8,9 +8,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-from slam.particles import ADJACENT
+from slam.maps import ADJACENT, Maps
 from slam.region import EDGE_NAMES, EdgeState, RegionFeature, Subrectangle, b_index, u_index
 from slam.rows import Floats, Row
 
@@ -104,18 +103,18 @@ def _subrectangle(region: np.record, i: int, side: str, state: dict[str, EdgeSta
     )
 
 
-def to_features(
-    regions: NDArray[np.void], links: NDArray[np.void], types: Sequence[str], confirmed_after: int
-) -> list[RegionFeature]:
+def to_features(maps: Maps, particle: int, types: Sequence[str], confirmed_after: int) -> list[RegionFeature]:
     """Return a particle's confirmed regions with their links per edge and their children."""
-    slots = [s for s in range(len(regions)) if regions[s].n > 0 and regions[s].sightings >= confirmed_after]
+    records = maps.table[particle]
+    regions = {s: maps.pool[records[s]] for s in np.flatnonzero(records >= 0).tolist()}
+    slots = [s for s, region in regions.items() if region.sightings >= confirmed_after]
     rows = {s: row_of(regions[s]) for s in slots}
     neighbours: dict[int, dict[str, dict[int, float]]] = {s: {} for s in slots}
     children: dict[int, dict[int, float]] = {s: {} for s in slots}
     for slot in slots:
         index = int(regions[slot].first_link)
         while index >= 0:
-            link = links[index]
+            link = maps.links[index]
             target = int(link.target)
             if target in rows and int(regions[target].id) == int(link.target_id):
                 if link.kind == ADJACENT:

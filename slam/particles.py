@@ -1,19 +1,25 @@
-"""The particle set: poses, weights, and one region map each.
-
-Three record arrays hold everything: `particles` (P,), `regions` (P, slots) and `links` (P, link slots). A region
-keeps its slot while it lives; `n == 0` marks a free slot. Links are singly linked lists that start at `regions[p,
-slot].first_link`.
-"""
+"""The particle set: poses, weights, and the region maps."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from slam.jit import Array, Record, njit
+from slam.grid import SLOT, enter
+from slam.jit import njit
+from slam.maps import (
+    FIRST_FREE_LINK,
+    FREE_LINKS,
+    FREE_RECORDS,
+    FREE_SLOTS,
+    LAYERS,
+    LINK_BELIEF,
+    USED_SLOTS,
+    Maps,
+    gather,
+)
 from slam.region import REGION
 
 PARTICLE = np.dtype(
@@ -25,39 +31,22 @@ PARTICLE = np.dtype(
             ("expected", np.float64, (3,)),  # of the last proposal, what the belief reports
             ("spread", np.float64, (3, 3)),  # covariance of the last proposal
             ("log_weight", np.float64),
-            ("n_slots", np.int64),  # no slot from here on is in use
-            ("n_links", np.int64),
         ],
     )
 )
 
-LINK_BELIEF = np.dtype(
-    (
-        np.record,
-        [
-            ("target", np.int64),  # slot
-            ("target_id", np.int64),  # the link is stale once the slot holds another region
-            ("next", np.int64),
-            ("kind", np.int64),
-            ("log_odds", np.float64),
-        ],
-    )
-)
-"""Belief in one directed link between two regions of a particle's map."""
+SLOTS, RECORDS, LINKS = 64, 256, 1024
+"""Room at first."""
 
-ADJACENT, INSIDE = 0, 1
-"""Kinds of links: m -> n of eq. (16), and m is a subregion of n of eq. (17)."""
-
-SLOTS, LINK_SLOTS = 64, 512
+BUCKETS_PER_SLOT = 4
 
 
 @dataclass
 class ParticleSet:
-    """All particles of a filter; the arrays grow on demand."""
+    """All particles of a filter and their maps; the arrays grow on demand."""
 
     particles: NDArray[np.void]
-    regions: NDArray[np.void]
-    links: NDArray[np.void]
+    maps: Maps
 
     @classmethod
     def at(cls, pose: NDArray[np.float64], n_particles: int) -> ParticleSet:
@@ -65,66 +54,93 @@ class ParticleSet:
         particles = np.zeros(n_particles, PARTICLE)
         particles["pose"] = particles["expected"] = pose
         particles["log_weight"] = -np.log(n_particles)
-        regions = np.zeros((n_particles, SLOTS), REGION)
-        return cls(particles, regions, np.zeros((n_particles, LINK_SLOTS), LINK_BELIEF))
+        return cls(particles, empty_maps(n_particles))
 
-    def make_room(self, regions: int, links: int) -> None:
-        """Grow the arrays so that every particle can take so many more regions and links."""
-        slots, link_slots = most_used(self.particles)
-        if slots + regions > self.regions.shape[1]:
-            self.regions = _grown(self.regions, slots + regions)
-        if link_slots + links > self.links.shape[1]:
-            self.links = _grown(self.links, link_slots + links)
+    def make_room(self, slots: int, records: int, links: int) -> None:
+        """Grow the arrays so that there is room for so many more slots, records and links."""
+        counts = self.maps.counts
+        if counts[FREE_RECORDS] < records:
+            self.maps = with_more_records(self.maps, records)
+        if counts[FREE_LINKS] < links:
+            self.maps = with_more_links(self.maps, links)
+        if len(self.maps.slots) - counts[USED_SLOTS] + counts[FREE_SLOTS] < slots:
+            self.maps = with_more_slots(self.maps, slots)
 
     def gather(self, ancestors: NDArray[np.int64]) -> None:
-        """Replace the particles by copies of their ancestors, shape (P,); no two share memory."""
-        gather(self.particles, self.regions, self.links, ancestors)
+        """Replace the particles by copies of their ancestors, shape (P,)."""
+        gather(self.particles, self.maps, ancestors)
 
 
-def _grown(array: NDArray[np.void], needed: int) -> NDArray[np.void]:
-    larger = np.zeros((array.shape[0], max(needed, 2 * array.shape[1])), array.dtype)
-    larger[:, : array.shape[1]] = array
+def empty_maps(n_particles: int, slots: int = SLOTS, records: int = RECORDS, links: int = LINKS) -> Maps:
+    """Return maps without regions, with room for so many."""
+    counts = np.zeros(LAYERS + 1, np.int64)
+    counts[FIRST_FREE_LINK] = -1
+    nothing = Maps(
+        table=np.zeros((n_particles, 0), np.int32),
+        pool=np.zeros(0, REGION),
+        holders=np.zeros(0, np.int32),
+        free_records=np.zeros(0, np.int32),
+        links=np.zeros(0, LINK_BELIEF),
+        slots=np.zeros(0, SLOT),
+        free_slots=np.zeros(0, np.int32),
+        buckets=np.zeros(0, np.int32),
+        marks=np.zeros(0, np.int64),
+        counts=counts,
+    )
+    return with_more_slots(with_more_links(with_more_records(nothing, records), links), slots)
+
+
+def with_more_records(maps: Maps, needed: int) -> Maps:
+    """Return maps with at least so many free records."""
+    old, free = len(maps.pool), int(maps.counts[FREE_RECORDS])
+    size = max(old - free + needed, old + old // 2)
+    free_records = _grown(maps.free_records, size, 0)
+    free_records[free : free + size - old] = np.arange(size - 1, old - 1, -1)
+    maps.counts[FREE_RECORDS] += size - old
+    return maps._replace(
+        pool=_grown(maps.pool, size, None), holders=_grown(maps.holders, size, 0), free_records=free_records
+    )
+
+
+def with_more_links(maps: Maps, needed: int) -> Maps:
+    """Return maps with at least so many free links."""
+    old, free = len(maps.links), int(maps.counts[FREE_LINKS])
+    size = max(old - free + needed, old + old // 2)
+    links = _grown(maps.links, size, None)
+    links["next"][old:] = np.arange(old + 1, size + 1)
+    links["next"][-1] = maps.counts[FIRST_FREE_LINK]
+    maps.counts[FIRST_FREE_LINK] = old
+    maps.counts[FREE_LINKS] += size - old
+    return maps._replace(links=links)
+
+
+def with_more_slots(maps: Maps, needed: int) -> Maps:
+    """Return maps with room for at least so many more slots, and a grid as fine as they need."""
+    old, used, free = len(maps.slots), int(maps.counts[USED_SLOTS]), int(maps.counts[FREE_SLOTS])
+    size = max(used - free + needed, old + old // 2)
+    table = np.full((len(maps.table), size), -1, np.int32)
+    table[:, :old] = maps.table
+    n_buckets = 1 << int(np.ceil(np.log2(BUCKETS_PER_SLOT * size)))
+    grown = maps._replace(
+        table=table,
+        slots=_grown(maps.slots, size, None),
+        free_slots=_grown(maps.free_slots, size, 0),
+        buckets=np.full(n_buckets, -1, np.int32),
+        marks=np.full(size, -1),
+    )
+    enter_all(grown.slots, grown.buckets, used, grown.counts[LAYERS:])
+    return grown
+
+
+@njit
+def enter_all(slots: NDArray[np.void], buckets: NDArray[np.int32], used: int, n_layers: NDArray[np.int64]) -> None:
+    """Put all slots in use into an empty grid."""
+    for slot in range(used):
+        if slots[slot].holders > 0:
+            enter(slots, buckets, slot, n_layers)
+
+
+def _grown(array: NDArray, size: int, fill: int | None) -> NDArray:  # type: ignore[type-arg]
+    larger = np.zeros(size, array.dtype) if fill is None else np.full(size, fill, array.dtype)
+    larger[: len(array)] = array
     return larger
-
-
-@njit
-def most_used(particles: Array) -> tuple[int, int]:
-    """Return the largest number of slots and of link slots that any particle uses."""
-    slots, links = 0, 0
-    for i in range(len(particles)):
-        slots, links = max(slots, particles[i].n_slots), max(links, particles[i].n_links)
-    return slots, links
-
-
-@njit
-def gather(particles: Array, regions: Array, links: Array, ancestors: Array) -> None:
-    """Copy every particle's ancestor into its place.
-
-    A slot whose particle survives keeps its own state, so that nothing is overwritten before it is read: sources are
-    exactly the survivors, and the others take copies.
-    """
-    n = len(particles)
-    count = np.zeros(n, np.int64)
-    for i in range(n):
-        count[ancestors[i]] += 1
-    target = 0
-    for source in range(n):
-        for _ in range(count[source] - 1):
-            while count[target] > 0:
-                target += 1
-            count[target] = 1
-            slots = max(particles[source].n_slots, particles[target].n_slots)
-            used = particles[source].n_links
-            particles[target] = particles[source]
-            regions[target, :slots] = regions[source, :slots]
-            links[target, :used] = links[source, :used]
-
-
-@njit
-def free_slot(particle: Record, regions: Array) -> Any:
-    """Return the first free slot of a particle's map and count it in; the caller has made room."""
-    for slot in range(particle.n_slots):
-        if regions[slot].n == 0:
-            return slot
-    particle.n_slots += 1
-    return particle.n_slots - 1

@@ -12,6 +12,7 @@ import numpy as np
 from slam.edge_form import turn
 from slam.innovation import SLACK, condition, correspond, innovate, log_likelihood, n_closed, workspace, wrap
 from slam.jit import Array, Record, njit
+from slam.maps import region_of
 
 LOG_REFERENCE_HEADING = -np.log(2 * np.pi)
 """Log density of a heading that is not explained, per rad: free of the unit of length, as every heading's is."""
@@ -54,7 +55,7 @@ def predict(
 
 
 @njit
-def propose(particles: Array, regions: Array, measured: Array, associations: Array, p: Record) -> None:
+def propose(particles: Array, maps: Record, measured: Array, associations: Array, p: Record) -> None:
     """Condition every particle's motion on its associated measurements and weigh it.
 
     A measurement without region counts with the reference density, so that particles that explain more weigh more.
@@ -68,7 +69,7 @@ def propose(particles: Array, regions: Array, measured: Array, associations: Arr
             if a.slot < 0:
                 particle.log_weight += (n_closed(measured[j, 0]) - 1) * p.log_reference + LOG_REFERENCE_HEADING
                 continue
-            z, m = measured[j, a.turn], regions[i, a.slot]
+            z, m = measured[j, a.turn], region_of(maps, i, a.slot)
             if a.turn_map:
                 turn(m, 1, turned[0])
                 m = turned[0]

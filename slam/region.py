@@ -42,11 +42,12 @@ REGION = np.dtype(
         [
             ("id", np.int64),  # of the first sighting, inherited by resampling
             ("type", np.int64),  # index into the filter's list of types
-            ("n", np.int64),  # rectangles; 0 marks a free slot
+            ("n", np.int64),  # rectangles
             ("main", np.int64),  # index of the main rectangle
             ("sightings", np.int64),
             ("last_seen", np.int64),  # number of the scan
             ("first_link", np.int64),  # head of the list of links, -1 for none
+            ("n_links", np.int64),
             ("rival", np.int64),  # slot of the more credible hypothesis for the same place, -1 for none
             ("visited", np.int64),  # the robot has been inside
             ("type_log_odds", np.float64),

@@ -9,6 +9,7 @@ import numpy as np
 from slam.edge_form import turn
 from slam.extent import area
 from slam.jit import Array, Record, njit
+from slam.maps import own, region_of
 from slam.region import b_index, u_index
 
 LIMIT = 10.0
@@ -23,7 +24,14 @@ OPPOSING_COVER = 0.5
 
 @njit
 def update_semantics(
-    particles: Array, regions: Array, measured: Array, candidates: Array, n_candidates: Array, p: Record
+    particles: Array,
+    maps: Record,
+    near: Array,
+    n_near: Array,
+    measured: Array,
+    candidates: Array,
+    n_candidates: Array,
+    p: Record,
 ) -> None:
     """Sum the evidence for and against every region's type and apply eq. (13).
 
@@ -33,13 +41,16 @@ def update_semantics(
     The prior enters once, when the region is born, so (13) is applied to an inverse model completed with it.
     """
     turned = np.zeros_like(measured[:1, 0])
-    slots = regions.shape[1]
+    evidence = np.zeros((near.shape[1], 4))  # supporting sum and number, opposing sum and number
+    place = maps.marks
     for i in range(len(particles)):
-        evidence = np.zeros((slots, 4))  # supporting sum and number, opposing sum and number
+        for j in range(n_near[i]):
+            place[near[i, j]] = j
+            evidence[j] = 0.0
         for c in range(n_candidates[i]):
             pair = candidates[i, c]
             if pair.distance < p.gate_associate:
-                m, z = regions[i, pair.slot], measured[pair.z, pair.turn]
+                m, z = region_of(maps, i, pair.slot), measured[pair.z, pair.turn]
                 if pair.turn_map:
                     turn(m, 1, turned[0])
                     m = turned[0]
@@ -47,17 +58,17 @@ def update_semantics(
                 share, covered = covered_share(z, m, pair.offset, particles[i].pose)
                 opposes = pair.distance < OPPOSING_GATE and covered > OPPOSING_COVER * area(m)
                 if share > 0.0 and (pair.same_type or opposes):
-                    evidence[pair.slot, column] += z.confidence * share
-                    evidence[pair.slot, column + 1] += 1
-        for c in range(n_candidates[i]):
-            slot = candidates[i, c].slot
-            supporting, n_supporting, opposing, n_opposing = evidence[slot]
+                    evidence[place[pair.slot], column] += z.confidence * share
+                    evidence[place[pair.slot], column + 1] += 1
+        for j in range(n_near[i]):
+            slot = near[i, j]
+            place[slot] = -1
+            supporting, n_supporting, opposing, n_opposing = evidence[j]
             if n_supporting + n_opposing > 0:
                 p_supp = supporting / n_supporting if n_supporting > 0 else 0.5  # eq. (9)
                 p_opp = opposing / n_opposing if n_opposing > 0 else 0.5  # eq. (10)
-                m = regions[i, slot]
+                m = own(maps, i, slot)
                 m.type_log_odds = min(max(m.type_log_odds + p_supp - p_opp, -LIMIT), LIMIT)  # eq. (13)
-                evidence[slot] = 0.0
 
 
 @njit

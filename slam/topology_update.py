@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from slam.jit import Array, Record, njit
+from slam.maps import ADJACENT, INSIDE, add_link, drop_stale_links, own
 from slam.overlap import rows_overlap
-from slam.particles import ADJACENT, INSIDE
 from slam.region import b_index, u_index
 from slam.semantic_update import LIMIT
 
@@ -63,24 +63,24 @@ def measured_relations(measured: Array, links: Array, evidence: Array) -> None:
 
 
 @njit
-def update_topology(
-    particles: Array, regions: Array, links: Array, associations: Array, evidence: Array, p: Record
-) -> None:
+def update_topology(maps: Record, associations: Array, evidence: Array, p: Record) -> None:
     """Update the beliefs in links between all regions of which the scan measured both, eqs. (16) and (17).
 
     A link is remembered from its first measurement on. Where either region was not measured nothing changes, eq. (15).
     """
     n = associations.shape[1]
-    measured_as = np.full(regions.shape[1], -1, np.int64)
-    for i in range(len(particles)):
+    measured_as = maps.marks
+    known = np.zeros((n, 2), np.bool_)
+    for i in range(len(associations)):
         for z in range(n):
             if associations[i, z].slot >= 0:
                 measured_as[associations[i, z].slot] = z
         for z in range(n):
             slot = associations[i, z].slot
             if slot >= 0:
-                known = np.zeros((n, 2), np.bool_)
-                revise(regions[i], links[i], slot, z, measured_as, evidence, known, p)
+                m = own(maps, i, slot)
+                known[:] = False
+                revise(maps, i, m, z, measured_as, evidence, known, p)
                 for other in range(n):
                     target = associations[i, other].slot
                     for kind in range(2):
@@ -90,9 +90,7 @@ def update_topology(
                             and evidence[z, other, kind] != 0.0
                             and not known[other, kind]
                         ):
-                            remember(
-                                particles[i], regions[i], links[i], slot, target, kind, evidence[z, other, kind], p
-                            )
+                            remember(maps, m, target, kind, evidence[z, other, kind], p)
         for z in range(n):
             if associations[i, z].slot >= 0:
                 measured_as[associations[i, z].slot] = -1
@@ -100,33 +98,28 @@ def update_topology(
 
 @njit
 def revise(
-    regions: Array, links: Array, slot: int, z: Record, measured_as: Array, evidence: Array, known: Array, p: Record
+    maps: Record, particle: int, m: Record, z: int, measured_as: Array, evidence: Array, known: Array, p: Record
 ) -> None:
     """Update the links that a region already has; mark in `known` those to regions of this scan."""
-    index = regions[slot].first_link
+    drop_stale_links(maps, particle, m)
+    index = m.first_link
     while index >= 0:
-        link = links[index]
-        if regions[link.target].n > 0 and regions[link.target].id == link.target_id:
-            other = measured_as[link.target]
-            if other >= 0:
-                known[other, link.kind] = True
-                value = evidence[z, other, link.kind]
-                if link.kind == ADJACENT:
-                    gain = (value if value != 0.0 else p.link_unseen) - p.prior_link
-                else:
-                    gain = value if value != 0.0 else logit(0.0)
-                link.log_odds = min(max(link.log_odds + gain, -LIMIT), LIMIT)
+        link = maps.links[index]
+        other = measured_as[link.target]
+        if other >= 0:
+            known[other, link.kind] = True
+            value = evidence[z, other, link.kind]
+            if link.kind == ADJACENT:
+                gain = (value if value != 0.0 else p.link_unseen) - p.prior_link
+            else:
+                gain = value if value != 0.0 else logit(0.0)
+            link.log_odds = min(max(link.log_odds + gain, -LIMIT), LIMIT)
         index = link.next
 
 
 @njit
-def remember(
-    particle: Record, regions: Array, links: Array, slot: int, target: int, kind: int, evidence: Array, p: Record
-) -> None:
+def remember(maps: Record, m: Record, target: int, kind: int, evidence: float, p: Record) -> None:
     """Add a link with its first evidence to the prior."""
-    link = links[particle.n_links]
-    link.target, link.target_id, link.kind = target, regions[target].id, kind
-    link.next = regions[slot].first_link
+    link = add_link(maps, m)
+    link.target, link.target_id, link.kind = target, maps.slots[target].id, kind
     link.log_odds = evidence if kind == ADJACENT else p.prior_child + evidence
-    regions[slot].first_link = particle.n_links
-    particle.n_links += 1

@@ -69,8 +69,8 @@ def test_probability_in_a_type_is_the_weight_of_the_particles_inside():
     built.put(2, 3, "hallway", at=(5.0, 0.0)).put(3, 4, "hallway", rival=0).put(4, 5, "hallway", sightings=2)
     built.set.particles["log_weight"] = np.log([0.5, 0.3, 0.2])
     built.set.particles["expected"][:, 0] = [0.0, 5.0, 20.0]
-    assert inside_type(built.set.particles, built.set.regions, OFFICE, 3) == pytest.approx(0.5)  # once, though in two
-    assert inside_type(built.set.particles, built.set.regions, HALLWAY, 3) == pytest.approx(0.3)
+    assert inside_type(built.set.particles, tuple(built.maps), OFFICE, 3) == pytest.approx(0.5)  # once, though in two
+    assert inside_type(built.set.particles, tuple(built.maps), HALLWAY, 3) == pytest.approx(0.3)
 
 
 def test_probability_in_a_type_nobody_has_seen_is_zero():

@@ -35,11 +35,10 @@ def belief_of(built, pose_mean=(0.0, 0.0, 0.0), pose_cov=None):
         pose_cov=np.zeros((3, 3)) if pose_cov is None else np.array(pose_cov, dtype=float),
         ess=1.0,
         pose=s.particles[0]["pose"].copy(),
-        features=s.regions[0, : s.particles[0].n_slots],
-        links=s.links[0],
+        heaviest=0,
         types=built.types,
         particles=s.particles,
-        regions=s.regions,
+        maps=s.maps,
         confirmed_after=3,
     )
 

@@ -4,7 +4,7 @@ import pytest
 from regionslam_env import tables
 from regionslam_env.observations import LinkColumn as L
 from regionslam_env.observations import RegionColumn as C
-from slam.particles import INSIDE
+from slam.maps import INSIDE
 from slam.region import b_index, u_index
 from slam.rows import Row
 from tests.env.believed import Believed
@@ -27,8 +27,8 @@ class Tables:
         s = belief.set
         tables.write_map(
             *(self.rows, self.mask, self.links, self.links_mask, self.ids, self.places),
-            *(s.particles[heaviest]["pose"], s.regions[heaviest, : s.particles[heaviest].n_slots], s.links[heaviest]),
-            *(s.particles, s.regions, self.types, N_TYPES, self.goal, 3),
+            *(s.particles[heaviest]["pose"], heaviest, s.particles, tuple(s.maps)),
+            *(self.types, N_TYPES, self.goal, 3),
         )
         return self
 
@@ -82,7 +82,7 @@ def test_the_geometry_is_that_of_the_papers_parameters():
 )  # fmt: skip
 def test_each_open_edge_has_its_flag(index, column):
     belief = Believed().put(0, 1, u=(-3.0, -1.0, 1.0, 3.0), b=(-1.0,) * 3, t=(1.0,) * 3, main=1)
-    belief.set.regions[0, 0].closed[index] = 0
+    belief.region(0).closed[index] = 0
     flags = Tables().write(belief).rows[0, C.OPEN_T : C.EXISTENCE]
     assert np.nonzero(flags)[0].tolist() == [column - C.OPEN_T]
 
@@ -90,7 +90,7 @@ def test_each_open_edge_has_its_flag(index, column):
 @pytest.mark.parametrize(("index", "column"), [(u_index(0), C.OPEN_L), (u_index(1), C.OPEN_R)])
 def test_ends_of_a_single_rectangle(index, column):
     belief = Believed().put(0, 1)
-    belief.set.regions[0, 0].closed[index] = 0
+    belief.region(0).closed[index] = 0
     flags = Tables().write(belief).rows[0, C.OPEN_T : C.EXISTENCE]
     assert np.nonzero(flags)[0].tolist() == [column - C.OPEN_T]
 
@@ -122,7 +122,7 @@ def test_tentative_regions_are_not_shown():
 def test_slots_follow_ids_through_a_change_of_the_heaviest_particle():
     belief = Believed(n_particles=2)
     belief.put(0, 10, at=(1.0, 0.0), particles=[0]).put(1, 11, at=(2.0, 0.0), particles=[0])
-    belief.put(0, 11, at=(2.5, 0.0), particles=[1]).put(1, 10, at=(1.5, 0.0), particles=[1])
+    belief.put(0, 10, at=(1.5, 0.0), particles=[1]).put(1, 11, at=(2.5, 0.0), particles=[1])
     tables = Tables().write(belief)
     assert tables.rows[:2, C.X].tolist() == [1.0, 2.0]
     tables.write(belief, heaviest=1)
@@ -183,7 +183,7 @@ def test_p_contains_me_is_over_all_particles_and_their_own_maps():
     belief = Believed(n_particles=4).put(0, 1, at=(0.0, 0.0)).put(1, 2, at=(2.0, 0.0))
     belief.set.particles["log_weight"] = np.log([0.4, 0.3, 0.2, 0.1])
     belief.set.particles["expected"][:, 0] = [0.0, 0.5, 1.5, 9.0]
-    belief.set.regions[1, 0].n = 0  # this particle does not know the first region
+    belief.remove(0, particles=[1])  # this particle does not know the first region
     rows = Tables().write(belief).rows
     assert rows[:2, C.CONTAINS_ME] == pytest.approx([0.4, 0.2])
 

@@ -10,8 +10,9 @@ from numpy.typing import ArrayLike, NDArray
 from slam.association import ASSOCIATION, CANDIDATE, associate
 from slam.config import Parameters, SlamConfig
 from slam.edge_form import FLAT_VARIANCE, bounding_radius, observe
+from slam.maps import FREE_RECORDS, USED_SLOTS, Maps, cover
 from slam.measurement import RegionMeasurement, Scan
-from slam.particles import PARTICLE
+from slam.particles import PARTICLE, empty_maps
 from slam.region import REGION, EdgeState, Subrectangle
 from tests.slam.naive import random_covariance
 
@@ -62,14 +63,50 @@ def maps(*regions: np.record, particles: int = 1, slots: int = 8) -> Records:
     return out
 
 
-def particles(
-    pose: ArrayLike = (0.0, 0.0, 0.0), cov: ArrayLike | float = 0.0, count: int = 1, n_slots: int = 8
-) -> Records:
+def stored(regions: Records) -> Maps:
+    """The maps of `maps` as kernels take them: records and regions share their memory, a region of ``n == 0`` is none.
+
+    A slot without regions is free, and so are the records behind it; new regions of one particle take them in order.
+    """
+    count, slots = regions.shape
+    stored = empty_maps(count, slots=slots, records=regions.size, links=64)
+    present = regions["n"] > 0
+    used = int(np.flatnonzero(present.any(axis=0)).max(initial=-1)) + 1
+    stored.table[:] = np.where(present, np.arange(regions.size).reshape(regions.shape), -1)
+    stored.holders[:] = present.reshape(-1)
+    free = np.flatnonzero(~present.reshape(-1))[::-1]
+    stored.free_records[: len(free)] = free
+    stored.counts[[USED_SLOTS, FREE_RECORDS]] = used, len(free)
+    stored = stored._replace(pool=regions.reshape(-1))
+    for slot in range(used):
+        stored.slots[slot].id, stored.slots[slot].holders = regions["id"][:, slot].max(), present[:, slot].sum()
+        stored.slots[slot].radius = -1.0
+        for m in regions[present[:, slot], slot]:
+            cover(stored, slot, m)
+    return stored
+
+
+def near(stored: Maps) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """All regions of every particle, near or not, with room for eight more; and their numbers."""
+    count, slots = stored.table.shape
+    out, n = np.zeros((count, slots + 8), np.int64), np.zeros(count, np.int64)
+    for i in range(count):
+        known = np.flatnonzero(stored.table[i] >= 0)
+        n[i] = len(known)
+        out[i, : len(known)] = known
+    return out, n
+
+
+def forget_dropped(regions: Records, stored: Maps) -> None:
+    """Give the regions that a kernel has dropped ``n == 0``."""
+    regions["n"][stored.table < 0] = 0
+
+
+def particles(pose: ArrayLike = (0.0, 0.0, 0.0), cov: ArrayLike | float = 0.0, count: int = 1) -> Records:
     """Particles at one pose."""
     out = np.zeros(count, PARTICLE)
     out["pose"] = out["expected"] = pose
     out["cov"] = np.asarray(cov) if np.ndim(cov) else np.eye(3) * cov
-    out["n_slots"] = n_slots
     return out
 
 
@@ -80,7 +117,8 @@ def associated(
     associations = np.zeros((len(robots), len(scan)), ASSOCIATION)
     candidates = np.zeros((len(robots), 12 * len(scan)), CANDIDATE)
     n_candidates = np.zeros(len(robots), np.int64)
-    associate(robots, regions, scan, p, associations, candidates, n_candidates)
+    drawn = stored(regions)
+    associate(robots, drawn, *near(drawn), scan, p, associations, candidates, n_candidates)
     return associations, candidates, n_candidates
 
 

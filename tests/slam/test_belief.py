@@ -5,7 +5,7 @@ import pytest
 
 from slam.belief import Belief, moments
 from tests.slam import naive
-from tests.slam.drawn import mapped, maps, particles
+from tests.slam.drawn import mapped, maps, particles, stored
 
 
 def cloud() -> np.ndarray:
@@ -34,8 +34,7 @@ def test_moments_are_those_of_the_mixture() -> None:
 
 
 def belief_of(robots: np.ndarray, regions: np.ndarray) -> Belief:
-    links = np.zeros(0)
-    return Belief(np.zeros(3), np.eye(3), 1.0, np.zeros(3), regions[0], links, ["office"], robots, regions, 3)
+    return Belief(np.zeros(3), np.eye(3), 1.0, np.zeros(3), 0, robots, stored(regions), ["office"], 3)
 
 
 def test_where_is_a_probability_over_all_particles() -> None:
@@ -49,13 +48,13 @@ def test_where_is_a_probability_over_all_particles() -> None:
     assert belief_of(robots, regions).where() == {100: pytest.approx(0.2 + 0.3 / 2, abs=1e-6)}
 
 
-def test_where_follows_a_region_through_its_slots() -> None:
+def test_where_counts_particles_that_know_the_region() -> None:
     regions = maps(mapped([0.0, -2, 2, -1, 1]), mapped([0.0, -1, 1, -1, 1], (9, 0)), particles=2)
-    regions[1, :2] = regions[1, 1::-1].copy()
     regions["sightings"] = 3
+    regions["n"][1, 0] = 0
     robots = particles(count=2)
     robots["log_weight"] = np.log(0.5)
-    assert belief_of(robots, regions).where() == {100: pytest.approx(1.0)}
+    assert belief_of(robots, regions).where() == {100: pytest.approx(0.5)}
 
 
 def test_the_map_holds_confirmed_regions() -> None:
@@ -64,3 +63,10 @@ def test_the_map_holds_confirmed_regions() -> None:
     belief = belief_of(particles(), regions)
     assert [m.id for m in belief.map.hypotheses] == [100]
     assert belief.map is belief.map
+
+
+def test_only_confirmed_and_credible_regions_count() -> None:
+    regions = maps(*(mapped([0, -2, 2, -1, 1]) for _ in range(3)))
+    regions["sightings"][0, :3] = 3, 2, 5
+    regions["rival"][0, 2] = 0
+    assert belief_of(particles(), regions).where() == {100: pytest.approx(1.0)}

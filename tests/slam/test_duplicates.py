@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from slam.duplicates import are_rivals, resolve_duplicates, share_place
-from slam.measurement import RegionMeasurement
-from tests.slam.drawn import P, links_to, mapped, maps, measured, particles
+from tests.slam.drawn import P, forget_dropped, links_to, mapped, maps, near, stored
 
 SCAN = 12
 ROOM = [0.0, -2, 2, -1.5, 1.5]
@@ -13,10 +12,11 @@ ROOM = [0.0, -2, 2, -1.5, 1.5]
 
 def resolve(regions: np.ndarray, *slots: int) -> None:
     """Resolve after a scan that measured these slots."""
-    scan = measured(*(RegionMeasurement("office", 0, 0, 20, 20) for _ in slots))
     for turn in range(len(slots)):
         regions["last_seen"][0, list(slots)] = SCAN + turn
-        resolve_duplicates(particles(), regions, scan, links_to(*((s, 0, 0, 0) for s in slots)), SCAN + turn, P)
+        drawn = stored(regions)
+        resolve_duplicates(drawn, *near(drawn), links_to(*((s, 0, 0, 0) for s in slots)), SCAN + turn, P)
+        forget_dropped(regions, drawn)
 
 
 def test_twins_become_one_older_region() -> None:

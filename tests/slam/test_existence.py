@@ -10,7 +10,7 @@ from slam.existence import is_expected, update_existence
 from slam.fastslam import RegionSLAM
 from slam.measurement import RegionMeasurement, Scan
 from slam.motion import Odometry
-from tests.slam.drawn import P, associated, mapped, maps, measured, particles
+from tests.slam.drawn import P, associated, forget_dropped, mapped, maps, measured, near, particles, stored
 
 TABLE = [0.0, -0.5, 0.5, -0.5, 0.5]
 WIDE = np.array([[7.0, -7], [7, 7], [-7, 7], [-7, -7]])
@@ -37,7 +37,9 @@ def test_a_region_behind_a_wall_or_out_of_range_is_not() -> None:
 def update(regions: np.ndarray, scan: np.ndarray, view: np.ndarray) -> None:
     robots = particles()
     links, candidates, n = associated(robots, regions, scan)
-    update_existence(robots, regions, scan, links, candidates, n, view, P)
+    drawn = stored(regions)
+    update_existence(robots, drawn, *near(drawn), links, candidates, n, view, P)
+    forget_dropped(regions, drawn)
 
 
 def test_existence_by_hand() -> None:

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from slam.edge_form import state_size
-from slam.extent import area, contains, overlap, point_in_rectangle, probabilities_inside, probability_inside
+from slam.extent import area, contains, overlap, point_in_rectangle, probability_inside
 from tests.slam import naive
-from tests.slam.drawn import mapped, maps, random_state
+from tests.slam.drawn import mapped, random_state
 
 
 @pytest.mark.parametrize("n", [1, 2, 3])
@@ -44,15 +44,6 @@ def test_a_certain_robot_is_inside_or_not() -> None:
     m = mapped([0.3, -2, 2, -1, 1])
     assert probability_inside(m, np.zeros(3), np.zeros((3, 3))) == pytest.approx(1.0)
     assert probability_inside(m, np.array([4.0, 0, 0]), np.zeros((3, 3))) == pytest.approx(0.0)
-
-
-def test_only_confirmed_and_credible_regions_count() -> None:
-    regions = maps(*(mapped([0, -2, 2, -1, 1]) for _ in range(3)))[0]
-    regions["sightings"][:3] = 3, 2, 5
-    regions["rival"][2] = 0
-    out = np.empty(8)
-    probabilities_inside(regions, np.zeros(3), np.zeros((3, 3)), 3, out)
-    np.testing.assert_allclose(out, [1, 0, 0, 0, 0, 0, 0, 0])
 
 
 def test_overlap_of_two_regions_by_hand() -> None:

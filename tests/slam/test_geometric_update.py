@@ -10,7 +10,20 @@ from slam.innovation import workspace
 from slam.measurement import RegionMeasurement
 from slam.region import REGION
 from tests.slam import naive
-from tests.slam.drawn import CLOSED, OPEN, P, links_to, mapped, maps, measured, particles, random_state, sense
+from tests.slam.drawn import (
+    CLOSED,
+    OPEN,
+    P,
+    links_to,
+    mapped,
+    maps,
+    measured,
+    near,
+    particles,
+    random_state,
+    sense,
+    stored,
+)
 
 ORIGIN = np.zeros(3)
 
@@ -27,7 +40,7 @@ def test_a_new_region_lies_where_it_was_measured() -> None:
     c, s = np.cos(1.1), np.sin(1.1)
     np.testing.assert_allclose(m.anchor, [5 + c * 2 - s * 1, -1 + s * 2 + c * 1])
     np.testing.assert_allclose(m.state[:5], [1.4, -2, 2, -1.5, 1.5], atol=1e-12)
-    assert (m.n, m.first_link, m.rival, m.sightings) == (1, -1, -1, 1)
+    assert (m.n, m.rival, m.sightings) == (1, -1, 1)
 
 
 @pytest.mark.parametrize("n", [1, 2, 3])
@@ -247,22 +260,25 @@ def test_any_sequence_of_views_leaves_a_sound_region() -> None:
 def test_new_regions_get_slots_and_ids_and_known_ones_are_counted() -> None:
     scan = measured(RegionMeasurement("office", 0, 0, 4, 4), RegionMeasurement("office", 9, 0, 4, 4))
     regions = maps(mapped([0, -2, 2, -2, 2]))
-    robots = particles(n_slots=3)
+    drawn = stored(regions)
+    nearby, n_near = near(drawn)
     links = links_to((0, 0, 0, 0), (NEW, 0, 0, 0))
-    update_geometry(robots, regions, scan, links, 7, P)
+    update_geometry(particles(), drawn, nearby, n_near, scan, links, 7, P)
     assert links["slot"].tolist() == [[0, 1]]
     assert (regions[0, 0].sightings, regions[0, 0].last_seen, regions[0, 0].id) == (2, 7, 100)
     assert (regions[0, 1].id, regions[0, 1].last_seen) == (7 * 4096 + 1, 7)
-    assert robots[0].n_slots == 3
+    assert nearby[0, : n_near[0]].tolist() == [0, 1]
+    assert [drawn.slots[s].id for s in (0, 1)] == [100, 7 * 4096 + 1]
 
 
 def test_a_reused_slot_forgets_the_region_before() -> None:
     regions = maps(mapped([0.3, -3, -1, -2, 2, 1, -1, 1, 3, -2, 2], cov=0.5))
     regions["n"] = 0
-    for field, value in (("first_link", 3), ("rival", 2), ("visited", 1), ("sightings", 50), ("existence", 5.0)):
+    for field, value in (("rival", 2), ("visited", 1), ("sightings", 50), ("existence", 5.0)):
         regions[field] = value
     scan = measured(RegionMeasurement("office", 0, 0, 4, 4, t=CLOSED, r=OPEN))
-    update_geometry(particles(n_slots=1), regions, scan, links_to((NEW, 0, 0, 0)), 3, P)
+    drawn = stored(regions)
+    update_geometry(particles(), drawn, *near(drawn), scan, links_to((NEW, 0, 0, 0)), 3, P)
     m = regions[0, 0]
     assert (m.n, m.first_link, m.rival, m.visited, m.sightings, m.existence) == (1, -1, -1, 0, 1, 0.0)
     assert not m.cov[5:].any()

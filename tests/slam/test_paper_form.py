@@ -5,13 +5,13 @@ import pytest
 
 from slam.edge_form import state_size
 from slam.geometric_update import start
+from slam.maps import ADJACENT, INSIDE, add_link
 from slam.measurement import RegionMeasurement
 from slam.paper_form import facing_edge, row_of, to_feature, to_features
-from slam.particles import ADJACENT, INSIDE, LINK_BELIEF
 from slam.region import REGION, EdgeState, RegionFeature, Subrectangle
 from slam.rows import Row
 from tests.slam import naive
-from tests.slam.drawn import CLOSED, OPEN, P, mapped, maps, measured, random_measurement, random_state
+from tests.slam.drawn import CLOSED, OPEN, P, mapped, maps, measured, random_measurement, random_state, stored
 
 SHAPES = [(1, False), (2, True), (2, False), (3, True)]
 
@@ -92,26 +92,25 @@ def test_a_row_lies_where_its_corners_are() -> None:
     np.testing.assert_allclose(row_of(m).rectangles(), naive.corners(m.state[:11], m.anchor), atol=1e-12)
 
 
-def links(*entries: tuple[int, int, int, int, float]) -> np.ndarray:
-    return np.array(list(entries), LINK_BELIEF)
-
-
 def test_links_and_children_by_id() -> None:
-    regions = maps(mapped([0, -2, 2, -1, 1]), mapped([0, -2, 2, -1, 1], (0, 2)), mapped([0, -0.5, 0.5, -0.5, 0.5]))[0]
+    regions = maps(mapped([0, -2, 2, -1, 1]), mapped([0, -2, 2, -1, 1], (0, 2)), mapped([0, -0.5, 0.5, -0.5, 0.5]))
     regions["sightings"] = 5
-    regions["first_link"][:3] = 1, -1, 2
-    chain = links(
-        (1, 101, -1, ADJACENT, 2.0),
-        (2, 555, 0, ADJACENT, 9.0),  # stale: the slot holds another region now
-        (0, 100, -1, INSIDE, 3.0),
-    )
-    features = {m.id: m for m in to_features(regions, chain, ["office"], 3)}
+    drawn = stored(regions)
+    for source, target, target_id, kind, log_odds in (
+        (0, 1, 101, ADJACENT, 2.0),
+        (0, 2, 555, ADJACENT, 9.0),  # stale: the slot holds another region now
+        (2, 0, 100, INSIDE, 3.0),
+    ):
+        add_link(drawn, regions[0, source])
+        link = drawn.links[regions[0, source].first_link]
+        link.target, link.target_id, link.kind, link.log_odds = target, target_id, kind, log_odds
+    features = {m.id: m for m in to_features(drawn, 0, ["office"], 3)}
     assert set(features) == {100, 101, 102}
     assert features[100].neighbours == {"t": {101: 2.0}}
     assert features[100].children == {102: 3.0}
     assert features[102].neighbours == {}
-    regions["sightings"][1] = 2
-    features = {m.id: m for m in to_features(regions, chain, ["office"], 3)}
+    regions["sightings"][0, 1] = 2
+    features = {m.id: m for m in to_features(drawn, 0, ["office"], 3)}
     assert set(features) == {100, 102}
     assert features[100].neighbours == {}  # tentative regions aren't handed out, nor links to them
 

@@ -9,7 +9,7 @@ from slam.proposal import draw, place, predict, propose
 from slam.region import REGION
 from slam.se2 import compose
 from tests.slam import naive
-from tests.slam.drawn import P, links_to, mapped, maps, particles, random_state, sense
+from tests.slam.drawn import P, links_to, mapped, maps, particles, random_state, sense, stored
 
 NOISE = (0.0009, 0.0001, 0.0009)
 
@@ -129,7 +129,7 @@ def test_proposal_is_the_batch_posterior_and_the_weight_its_marginal_likelihood(
     robots = particles(pose, cov)
     records = np.zeros((3, 4), REGION)
     records[:, 0] = scan
-    propose(robots, maps(*regions), records, links_to((0, 0, 0, 0), (1, 0, 0, 0), (2, 0, 0, 0)), P)
+    propose(robots, stored(maps(*regions)), records, links_to((0, 0, 0, 0), (1, 0, 0, 0), (2, 0, 0, 0)), P)
     np.testing.assert_allclose(robots[0].pose, mean, atol=1e-7)
     np.testing.assert_allclose(robots[0].cov, posterior, atol=1e-9)
     np.testing.assert_array_equal(robots[0].cov, robots[0].cov.T)
@@ -151,7 +151,7 @@ def test_descriptions_of_a_pair_do_not_change_the_proposal() -> None:
             turn(m, 2, other)
             m = other
         robots = particles(pose, cov)
-        propose(robots, maps(m), records, links_to((0, quarters, 0, 0)), P)
+        propose(robots, stored(maps(m)), records, links_to((0, quarters, 0, 0)), P)
         results.append((*robots[0].pose, robots[0].log_weight))
     assert results[0] == pytest.approx(results[1], abs=1e-9)
 
@@ -162,7 +162,7 @@ def test_an_unexplained_measurement_counts_with_the_reference_density() -> None:
         robots = particles(pose, cov)
         records = np.zeros((1, 4), REGION)
         records[0, 0] = scan[2]
-        propose(robots, maps(), records, links_to((slot, 0, 0, 0)), P)
+        propose(robots, stored(maps()), records, links_to((slot, 0, 0, 0)), P)
         np.testing.assert_array_equal(robots[0].pose, pose)
         edges = int(scan[2].closed.sum()) - 1
         assert robots[0].log_weight == pytest.approx(-edges * np.log(8.0) - np.log(2 * np.pi))

@@ -11,7 +11,7 @@ from slam.fastslam import RegionSLAM
 from slam.measurement import RegionMeasurement, Scan
 from slam.motion import Odometry
 from slam.semantic_update import LIMIT, covered_share, update_semantics
-from tests.slam.drawn import OPEN, P, associated, mapped, maps, measured, particles
+from tests.slam.drawn import OPEN, P, associated, mapped, maps, measured, near, particles, stored
 
 ROOM = [0.0, -2, 2, -1.5, 1.5]
 
@@ -22,7 +22,8 @@ def after(*scan: RegionMeasurement, start: float = 0.0) -> float:
     regions["type_log_odds"] = start
     records = measured(*scan)
     _, candidates, n = associated(robots, regions, records)
-    update_semantics(robots, regions, records, candidates, n, P)
+    drawn = stored(regions)
+    update_semantics(robots, drawn, *near(drawn), records, candidates, n, P)
     return float(regions[0, 0].type_log_odds)
 
 
@@ -61,7 +62,8 @@ def test_a_place_beside_is_no_evidence() -> None:
     robots, regions = particles(), maps(mapped(ROOM, cov=1e-4))
     records = measured(RegionMeasurement("kitchen", 4.8, 0, 4, 3, l=OPEN))
     candidates = np.zeros((1, 1), CANDIDATE)
-    update_semantics(robots, regions, records, candidates, np.array([1]), P)
+    drawn = stored(regions)
+    update_semantics(robots, drawn, *near(drawn), records, candidates, np.array([1]), P)
     assert regions[0, 0].type_log_odds == 0.0
 
 

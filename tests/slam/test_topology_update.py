@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from slam.config import SlamConfig
+from slam.maps import ADJACENT, FREE_LINKS, INSIDE, Maps, drop, region_of
 from slam.measurement import RegionMeasurement, Scan
-from slam.particles import ADJACENT, INSIDE, LINK_BELIEF
 from slam.region import EdgeState
 from slam.semantic_update import LIMIT
 from slam.topology_update import logit, measured_relations, update_topology
-from tests.slam.drawn import links_to, mapped, maps, measured, particles
+from tests.slam.drawn import links_to, mapped, maps, measured, stored
 
 P = SlamConfig(prior_link=0.2, link_unseen=0.1, prior_child=0.1).parameters()
 
@@ -24,15 +24,16 @@ def evidence_of(*scan: RegionMeasurement) -> np.ndarray:
     return out
 
 
-def believed(links: np.ndarray, regions: np.ndarray, slot: int) -> dict[tuple[int, int], float]:
+def believed(maps: Maps, slot: int) -> dict[tuple[int, int], float]:
     """Log-odds by (target, kind), newest first; each pair must appear once."""
     found: dict[tuple[int, int], float] = {}
-    index = int(regions[0, slot].first_link)
+    index = int(region_of(maps, 0, slot).first_link)
     while index >= 0:
-        link = links[0, index]
+        link = maps.links[index]
         assert (int(link.target), int(link.kind)) not in found
         found[int(link.target), int(link.kind)] = float(link.log_odds)
         index = int(link.next)
+    assert len(found) == region_of(maps, 0, slot).n_links
     return found
 
 
@@ -41,8 +42,7 @@ class Two:
 
     def __init__(self) -> None:
         self.regions = maps(mapped([0, -2, 2, -1, 1]), mapped([0, -2, 2, -1, 1], (4, 0)))
-        self.links = np.zeros((1, 32), LINK_BELIEF)
-        self.robots = particles()
+        self.maps = stored(self.regions)
 
     def scan(
         self, evidence: dict[tuple[int, int, int], float], slots: tuple[int, int] = (0, 1)
@@ -50,8 +50,8 @@ class Two:
         array = np.zeros((2, 2, 2))
         for place, value in evidence.items():
             array[place] = value
-        update_topology(self.robots, self.regions, self.links, links_to(*((s, 0, 0, 0) for s in slots)), array, P)
-        return believed(self.links, self.regions, 0)
+        update_topology(self.maps, links_to(*((s, 0, 0, 0) for s in slots)), array, P)
+        return believed(self.maps, 0)
 
 
 def test_a_link_by_hand() -> None:
@@ -63,8 +63,7 @@ def test_a_link_by_hand() -> None:
     assert two.scan({(0, 1, ADJACENT): log_odds(0.7)}) == {(1, ADJACENT): pytest.approx(second)}
     third = second + log_odds(0.1) - log_odds(0.2)
     assert two.scan({}) == {(1, ADJACENT): pytest.approx(third)}
-    assert two.robots[0].n_links == 1
-    assert believed(two.links, two.regions, 1) == {}  # links are directed
+    assert believed(two.maps, 1) == {}  # links are directed
 
 
 def test_nothing_changes_where_one_region_was_not_measured() -> None:
@@ -93,28 +92,28 @@ def test_containment_by_hand() -> None:
     assert two.scan({}) == {(1, INSIDE): pytest.approx(first + log_odds(0.01))}
 
 
-def test_a_link_to_a_region_that_is_gone_is_left_alone() -> None:
+def test_a_link_to_a_region_that_is_gone_is_forgotten() -> None:
     two = Two()
     two.scan({(0, 1, ADJACENT): 1.0})
-    two.regions["id"][0, 1] = 999  # the slot holds another region now
-    array = np.zeros((2, 2, 2))
-    array[0, 1, ADJACENT] = 2.0
-    update_topology(two.robots, two.regions, two.links, links_to((0, 0, 0, 0), (1, 0, 0, 0)), array, P)
-    assert two.robots[0].n_links == 2
-    assert two.links["target_id"][0, :2].tolist() == [101, 999]
-    assert two.links["log_odds"][0, :2].tolist() == [1.0, 2.0]
+    free = int(two.maps.counts[FREE_LINKS])
+    two.maps.slots[1].id = 999  # the slot holds another region now
+    assert two.scan({(0, 1, ADJACENT): 2.0}) == {(1, ADJACENT): 2.0}
+    assert two.maps.links[region_of(two.maps, 0, 0).first_link].target_id == 999
+    assert two.maps.counts[FREE_LINKS] == free
+    drop(two.maps, 0, 1)
+    assert two.scan({}, (0, -1)) == {}
+    assert two.maps.counts[FREE_LINKS] == free + 1
 
 
 def test_several_neighbours_hang_on_one_region() -> None:
     regions = maps(*(mapped([0, -2, 2, -1, 1], (4 * i, 0)) for i in range(4)))
-    links = np.zeros((1, 32), LINK_BELIEF)
+    drawn = stored(regions)
     evidence = np.zeros((4, 4, 2))
     evidence[0, 1:, ADJACENT] = 1.0, 2.0, 3.0
     evidence[2, 0, ADJACENT] = 4.0
-    robots = particles()
-    update_topology(robots, regions, links, links_to(*((s, 0, 0, 0) for s in range(4))), evidence, P)
-    assert believed(links, regions, 0) == {(1, ADJACENT): 1.0, (2, ADJACENT): 2.0, (3, ADJACENT): 3.0}
-    assert believed(links, regions, 2) == {(0, ADJACENT): 4.0}
+    update_topology(drawn, links_to(*((s, 0, 0, 0) for s in range(4))), evidence, P)
+    assert believed(drawn, 0) == {(1, ADJACENT): 1.0, (2, ADJACENT): 2.0, (3, ADJACENT): 3.0}
+    assert believed(drawn, 2) == {(0, ADJACENT): 4.0}
 
 
 def test_measured_links_become_evidence() -> None:

@@ -1,0 +1,100 @@
+"""A grid over the regions of all maps: what lies near a place is found without looking at the whole map.
+
+Every slot is a circle that covers its region in all particles' maps. Circles are sorted by size into layers, whose
+cells double in width from one to the next; each circle lies in the cell of its centre, on the first layer whose cells
+are at least as wide as its radius. Cells are buckets of a hash table.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from slam.jit import Array, Record, njit
+
+CELL = 8.0
+"""Width of the smallest cells, m; it decides on speed alone."""
+
+SLOT = np.dtype(
+    (
+        np.record,
+        [
+            ("id", np.int64),  # of the region
+            ("holders", np.int64),  # particles that know it
+            ("x", np.float64),  # centre of the circle, map frame, m
+            ("y", np.float64),
+            ("radius", np.float64),  # m; negative before the first one
+            ("layer", np.int64),
+            ("column", np.int64),
+            ("row", np.int64),
+            ("next", np.int64),  # in the same bucket, -1 at the end
+        ],
+    )
+)
+"""A region's place in all maps and in the grid."""
+
+
+@njit
+def bucket_of(layer: int, column: int, row: int, n_buckets: int) -> Any:
+    """Return the bucket of a cell; `n_buckets` is a power of two."""
+    return (column * 73856093 ^ row * 19349663 ^ layer * 83492791) & (n_buckets - 1)
+
+
+@njit
+def enter(slots: Array, buckets: Array, slot: int, n_layers: Array) -> None:
+    """Put a slot's circle into its cell; `n_layers[0]` counts the layers in use."""
+    place = slots[slot]
+    layer, width = 0, CELL
+    while width < place.radius:
+        layer, width = layer + 1, 2 * width
+    n_layers[0] = max(n_layers[0], layer + 1)
+    place.layer = layer
+    place.column, place.row = int(np.floor(place.x / width)), int(np.floor(place.y / width))
+    bucket = bucket_of(layer, place.column, place.row, len(buckets))
+    place.next = buckets[bucket]
+    buckets[bucket] = slot
+
+
+@njit
+def leave(slots: Array, buckets: Array, slot: int) -> None:
+    """Take a slot's circle out of its cell."""
+    place = slots[slot]
+    bucket = bucket_of(place.layer, place.column, place.row, len(buckets))
+    if buckets[bucket] == slot:
+        buckets[bucket] = place.next
+        return
+    index = buckets[bucket]
+    while slots[index].next != slot:
+        index = slots[index].next
+    slots[index].next = place.next
+
+
+@njit
+def search(slots: Array, buckets: Array, n_layers: int, x: float, y: float, radius: float) -> Array:
+    """Return the slots whose circles touch a circle about (x, y), in ascending order."""
+    found = np.empty(64, np.int64)
+    n, width = 0, CELL
+    for layer in range(n_layers):
+        reach = radius + width
+        for column in range(int(np.floor((x - reach) / width)), int(np.floor((x + reach) / width)) + 1):
+            for row in range(int(np.floor((y - reach) / width)), int(np.floor((y + reach) / width)) + 1):
+                slot = buckets[bucket_of(layer, column, row, len(buckets))]
+                while slot >= 0:
+                    if touches(slots[slot], layer, column, row, x, y, radius):
+                        if n == len(found):
+                            found = np.concatenate((found, np.empty(n, np.int64)))
+                        found[n] = slot
+                        n += 1
+                    slot = slots[slot].next
+        width *= 2
+    return np.sort(found[:n])
+
+
+@njit
+def touches(place: Record, layer: int, column: int, row: int, x: float, y: float, radius: float) -> bool:
+    """Say whether a circle lies in a cell (others share its bucket) and touches the circle about (x, y)."""
+    if place.layer != layer or place.column != column or place.row != row:
+        return False
+    dx, dy, reach = place.x - x, place.y - y, place.radius + radius
+    return dx * dx + dy * dy <= reach * reach
