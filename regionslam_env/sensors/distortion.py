@@ -14,8 +14,12 @@ from slam.region import EdgeState
 _INVENTED_SIZES = (0.8, 5.0)  # m
 
 
-def distort(scan: Scan, noise: NoiseConfig, confidence: float, rng: np.random.Generator) -> Scan:
+def distort(
+    scan: Scan, noise: NoiseConfig, confidence: float, rng: np.random.Generator
+) -> tuple[Scan, NDArray[np.int64]]:
     """Return the scan with each region missed, or given a wrong type, by chance, and with invented regions.
+
+    Beside it come the numbers that its measurements had in the scan given, shape (M,), -1 for invented ones.
 
     Parameters
     ----------
@@ -38,7 +42,8 @@ def distort(scan: Scan, noise: NoiseConfig, confidence: float, rng: np.random.Ge
     invented = [_invent(scan, noise, confidence, rng) for _ in range(count)]
     if invented:
         records = np.concatenate([records, *invented])
-    return Scan.from_records(records, scan.types, _links_among(scan.links, kept), scan.view)
+    numbers = np.concatenate([np.flatnonzero(kept), np.full(count, -1)])
+    return Scan.from_records(records, scan.types, _links_among(scan.links, kept), scan.view), numbers
 
 
 def _invent(scan: Scan, noise: NoiseConfig, confidence: float, rng: np.random.Generator) -> NDArray[np.void]:

@@ -27,6 +27,10 @@ _BLOCK = 4096  # normal numbers drawn at a time
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
+SOURCE = np.dtype((np.record, [("region", np.int64), ("first", np.int64), ("turned", np.int64)]))
+"""Where a measurement comes from: index of the true region, of its rectangle that the measurement begins with (in the
+order of the true row), and whether it describes them turned by pi. An invented measurement has region -1."""
+
 ROBOT = np.zeros((1, 2))
 """First corner of a view that is narrower than a full turn."""
 
@@ -49,6 +53,8 @@ class RegionSensor:
     ----------
     sightings
         How often each true region has been in view since the reset, shape (R,); for metrics alone.
+    sources
+        Where the measurements of the last scan come from, an array of `SOURCE`; for metrics alone.
     """
 
     def __init__(self, config: SensorConfig, noise: NoiseConfig, arrays: WorldArrays, rng: np.random.Generator) -> None:
@@ -78,9 +84,10 @@ class RegionSensor:
         )
         self._room = (
             np.empty(self._n_rays),
-            np.zeros(len(self._rows), np.int64),
+            np.zeros(len(self._rows), SOURCE),
             np.full(len(self._rows), -1, np.int64),
         )
+        self._numbers = np.arange(len(self._rows))
         self._normals = np.zeros(max(_BLOCK, DRAWS * len(self._rows)))
         self.reset(rng)
 
@@ -89,6 +96,14 @@ class RegionSensor:
         self._rng = rng
         self._drawn = len(self._normals)
         self.sightings = np.zeros(len(self._rows), np.int64)
+        self._measured = np.zeros(0, np.int64)
+
+    @property
+    def sources(self) -> NDArray[np.void]:
+        """Where the measurements of the last scan come from, shape (M,), a copy."""
+        found = self._room[1][self._measured]
+        found["region"][self._measured < 0] = -1
+        return found
 
     def measure(self, pose: NDArray[np.float64]) -> Scan:
         """Return what is seen from a true pose x (m), y (m), theta (rad), shape (3,)."""
@@ -113,12 +128,13 @@ class RegionSensor:
             links,
         )
         self._drawn += count * DRAWS
+        self._measured = self._numbers[:count]
         if self._sighted is not None:
             view = np.concatenate((ROBOT, view[self._sighted]))
         scan = Scan.from_records(records[:count], self._types, links[:found], view)
         noise = self._noise
         if noise.misclassification or noise.misses or noise.false_positives:
-            return distort(scan, noise, self._confidence, self._rng)
+            scan, self._measured = distort(scan, noise, self._confidence, self._rng)
         return scan
 
     def _draw(self, measurements: int) -> None:
@@ -136,7 +152,7 @@ def sense(
     near_walls: Ints,
     nearby: Ints,
     given: Any,
-    room: tuple[Floats, Ints, Ints],
+    room: tuple[Floats, NDArray[np.void], Ints],
     normals: Floats,
     sightings: Ints,
     view: Floats,
@@ -145,19 +161,19 @@ def sense(
 ) -> tuple[int, int]:
     """Write view, measurements and links, and count the sightings; return how many measurements and links there are.
 
-    `given` is what the sensor and its world are, and `room` holds its rays, the regions measured and their places; for
-    each of these, and the other arguments, see `cast`, `outline`, `scan_regions` and `write_links`.
+    `given` is what the sensor and its world are, and `room` holds its rays, the measurements' sources and their
+    places; for each of these, and the other arguments, see `cast`, `outline`, `scan_regions` and `write_links`.
     """
     walls, rows, directions, open_rays, limits, told, gain, confidence, starts, neighbours, link_confidence = given
-    ranges, which, slots = room
+    ranges, sources, slots = room
     cast(x, y, theta, limits[0], directions, walls, near_walls, ranges)
     outline(directions, ranges, open_rays, view)
     count = scan_regions(
-        x, y, theta, rows, nearby, directions, ranges, limits, told, gain, confidence, normals, which, records
+        x, y, theta, rows, nearby, directions, ranges, limits, told, gain, confidence, normals, sources, records
     )
     for k in range(count):
-        sightings[which[k]] += 1
-    return count, write_links(which, count, starts, neighbours, link_confidence, slots, links)
+        sightings[sources[k].region] += 1
+    return count, write_links(sources, count, starts, neighbours, link_confidence, slots, links)
 
 
 @njit
@@ -182,7 +198,7 @@ def scan_regions(
     gain: float,
     confidence: float,
     normals: Floats,
-    which: Ints,
+    sources: NDArray[np.void],
     records: NDArray[np.void],
 ) -> int:
     """Write a measurement of every region in view; return how many.
@@ -203,8 +219,8 @@ def scan_regions(
         Stated probability of the type.
     normals
         Standard normal numbers, DRAWS for each measurement.
-    which, records
-        Written: the index of the region of each measurement, and the measurement.
+    sources, records
+        Written: where each measurement comes from, `SOURCE`, and the measurement.
     """
     reach, tolerance, closed_length = limits
     sights = np.empty((MAX_RECTANGLES, SIGHT))
@@ -233,41 +249,50 @@ def scan_regions(
         main = 1 if length == MAX_RECTANGLES else min(max(row.main - first, 0), length - 1)
         if length == 2 and row.n == MAX_RECTANGLES:
             main = row.main - first
+        source = sources[count]
+        source.region, source.first, source.turned = j, first, 0
         draws = normals[count * DRAWS : (count + 1) * DRAWS]
         phi += gain * told[2] * draws[4]
         phi -= 2 * math.pi * math.floor((phi + math.pi) / (2 * math.pi))
         if not -math.pi / 2 < phi <= math.pi / 2:
             phi += -math.pi if phi > 0 else math.pi
             turn_part(length, u, b, t, states)
+            source.turned = 1
             axis, main = (-axis[0], -axis[1]), length - 1 - main
         record = records[count]
         record.type, record.confidence, record.phi = row.type, confidence, phi
         write_part(record, length, main, u, b, t, states, axis, told, gain, draws)
-        which[count] = j
         count += 1
     return count
 
 
 @njit
 def write_links(
-    which: Ints, count: int, starts: Ints, neighbours: Ints, confidence: float, slots: Ints, links: NDArray[np.void]
+    sources: NDArray[np.void],
+    count: int,
+    starts: Ints,
+    neighbours: Ints,
+    confidence: float,
+    slots: Ints,
+    links: NDArray[np.void],
 ) -> int:
     """Write the links between measured regions, both ways; return how many.
 
     `starts` and `neighbours` list the regions linked to each one; `slots` holds -1 for every region, before and after.
     """
     for k in range(count):
-        slots[which[k]] = k
+        slots[sources[k].region] = k
     written = 0
     for k in range(count):
-        for place in range(starts[which[k]], starts[which[k] + 1]):
+        region = sources[k].region
+        for place in range(starts[region], starts[region + 1]):
             target = slots[neighbours[place]]
             if target >= 0:
                 links[written].source, links[written].target = k, target
                 links[written].confidence = confidence
                 written += 1
     for k in range(count):
-        slots[which[k]] = -1
+        slots[sources[k].region] = -1
     return written
 
 
