@@ -7,6 +7,7 @@ squared Mahalanobis norm is chi-square distributed with as many degrees of freed
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,10 +16,41 @@ from slam.rows import Floats
 from slam.se2 import wrap_angles
 
 
+class Consistency(NamedTuple):
+    """A pooled normalised error: 1 is ideal, above `high` the filter is overconfident, below `low` it is too modest."""
+
+    ratio: float
+    low: float
+    high: float
+    freedom: int
+
+
+def pooled(values: ArrayLike, freedoms: ArrayLike, confidence: float = 0.95) -> Consistency:
+    """Pool NEES or NIS values of different dimensions: their sum over the sum of their degrees of freedom.
+
+    Parameters
+    ----------
+    values
+        Independent NEES or NIS values, shape (k,). Values of one run that share errors widen the true band.
+    freedoms
+        Degrees of freedom of each, shape (k,); a value without any must be 0.
+    confidence
+        Probability of the band, both tails equal.
+    """
+    values, freedoms = np.asarray(values, dtype=np.float64), np.asarray(freedoms)
+    freedom = int(np.sum(freedoms))
+    if values.shape != freedoms.shape or freedom < 1:
+        raise ValueError(
+            f"values of shape {values.shape} with freedoms of shape {freedoms.shape} and sum {freedom}: "
+            "expected one shape, and at least one degree of freedom"
+        )
+    tail = (1 - confidence) / 2
+    low, high = (chi_square_quantile(p, freedom) / freedom for p in (tail, 1 - tail))
+    return Consistency(float(np.sum(values)) / freedom, low, high, freedom)
+
+
 def nees(errors: ArrayLike, covariances: ArrayLike) -> Floats:
     """Return the normalised estimation error squared ``e' C^-1 e``, shape (...).
-
-    The same formula with innovations and their covariances is the NIS.
 
     Parameters
     ----------
@@ -43,6 +75,14 @@ def nees(errors: ArrayLike, covariances: ArrayLike) -> Floats:
             continue
         result[i] = whitened @ whitened
     return np.asarray(result.reshape(errors.shape[:-1]))
+
+
+def nis(innovations: ArrayLike, covariances: ArrayLike) -> Floats:
+    """Return the normalised innovation squared ``y' S^-1 y``, shape (...), of innovations (..., n), S (..., n, n).
+
+    It needs no truth: of a consistent filter it is chi-square too.
+    """
+    return nees(innovations, covariances)
 
 
 def pose_nees(estimated: ArrayLike, covariances: ArrayLike, true: ArrayLike) -> Floats:

@@ -72,7 +72,7 @@ def map_quality(
     Parameters
     ----------
     mapped
-        Credible regions of a map (`RegionMap.regions`).
+        Regions of a map. Of several type hypotheses for one place the most credible one counts (`RegionMap.regions`).
     truth
         All true regions.
     links
@@ -95,6 +95,7 @@ def map_quality(
     seen = set(by_id) if seen is None else set(seen)
     if not seen <= set(by_id):
         raise ValueError(f"seen names regions that the truth doesn't have: {sorted(seen - set(by_id))[:5]}")
+    mapped = RegionMap(mapped).regions
     rows = [moved(feature.row, pose) for feature in mapped]
     pairs = overlapping_pairs(mapped, rows, truth, threshold, tolerance)
     matches = match_pairs(pairs, mapped, rows, truth, threshold)

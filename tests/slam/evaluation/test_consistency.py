@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from slam.evaluation.consistency import chi_square_cdf, chi_square_quantile, nees, nees_band, pose_nees
+from slam.evaluation.consistency import chi_square_cdf, chi_square_quantile, nees, nees_band, nis, pooled, pose_nees
 
 # Abramowitz and Stegun 1964, table 26.8, and NIST/SEMATECH e-Handbook, 1.3.6.7.4.
 TABLE = [
@@ -83,3 +83,27 @@ def test_consistent_errors_lie_in_the_band_and_overconfident_ones_above() -> Non
     assert low < 3 < high and high - low < 0.5
     assert low < nees(errors, np.broadcast_to(covariance, (500, 3, 3))).mean() < high
     assert nees(errors, np.broadcast_to(covariance / 1.2, (500, 3, 3))).mean() > high
+
+
+def test_values_of_different_dimensions_are_pooled() -> None:
+    rng = np.random.default_rng(0)
+    freedoms = rng.integers(1, 8, 300)
+    values = rng.chisquare(freedoms)
+    fine = pooled(values, freedoms, 0.999)
+    assert fine.low < fine.ratio < fine.high and fine.freedom == freedoms.sum()
+    assert pooled(1.3 * values, freedoms, 0.999).ratio > fine.high
+    assert pooled(0.7 * values, freedoms, 0.999).ratio < fine.low
+    by_hand = pooled([4.0, 8.0, 0.0], [3, 1, 0])
+    assert by_hand.ratio == 3.0
+    assert (by_hand.low, by_hand.high) == pytest.approx([x / 4 for x in (0.484419, 11.1433)], rel=1e-5)
+    for wrong in (([1.0], [0]), ([1.0], [1, 2])):
+        with pytest.raises(ValueError, match="at least one degree of freedom"):
+            pooled(*wrong)
+
+
+def test_innovations_with_their_own_covariance_are_chi_square() -> None:
+    rng = np.random.default_rng(1)
+    s = np.array([[0.04, 0.01], [0.01, 0.02]])
+    values = nis(rng.multivariate_normal([0, 0], s, 500), np.broadcast_to(s, (500, 2, 2)))
+    low, high = nees_band(500, 2, 0.999)
+    assert low < np.mean(values) < high

@@ -186,3 +186,20 @@ def test_rotated_rows_overlap_exactly() -> None:
     feature = RegionFeature(1, "lobby", 0.0, **shape, phi=0.6)  # its main rectangle alone: 6 of 13 m²
     (match,) = map_quality([feature], [Truth("a", "lobby", row)], threshold=0.3).matches
     assert match.overlap == pytest.approx(6 / 13)
+
+
+def test_of_two_type_hypotheses_the_most_credible_counts() -> None:
+    rival = dataclasses.replace(mapped_floor()[1], id=9, type="kitchen", children={6: 3.0}, neighbours={"b": {5: 2.0}})
+    outdone = map_quality([*mapped_floor(), dataclasses.replace(rival, credible=False)], FLOOR, LINKS)
+    assert outdone == map_quality(mapped_floor(), FLOOR, LINKS)
+    believed = change(mapped_floor(), 2, credible=False)
+    wrong = map_quality([*believed, rival], FLOOR, LINKS)
+    assert (wrong.precision, wrong.recall, wrong.duplicates) == (1, 1, ())
+    assert wrong.type_accuracy == pytest.approx(5 / 6)
+    assert wrong.containment_f1 == 1  # the desk lies in that room, whatever it is called
+    assert wrong.link_f1 == pytest.approx(2 * 3 / (4 + 4))  # it leads through door 2 instead of door 1
+
+
+def test_what_is_more_likely_absent_is_not_counted() -> None:
+    ghost = RegionFeature(9, "office", 1.0, 40, 40, 3, 3, 0.0, existence=-0.1)
+    assert map_quality([*mapped_floor(), ghost], FLOOR).precision == 1
