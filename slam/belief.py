@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from slam.extent import probability_inside
-from slam.jit import Array, njit
 from slam.maps import Maps
+from slam.mixture import sum_inside
 from slam.paper_form import to_features
 from slam.region_map import RegionMap
 from slam.rows import Floats
@@ -68,43 +66,3 @@ class Belief:
         total = np.zeros(len(self.maps.slots))
         sum_inside(self.particles, self.maps.table, self.maps.pool, self.confirmed_after, total)
         return {int(self.maps.slots[slot].id): float(total[slot]) for slot in np.flatnonzero(total >= 0.001)}
-
-
-@njit
-def sum_inside(particles: Array, table: Array, pool: Array, confirmed_after: int, total: Array) -> None:
-    """Add up, by slot (S,), the weighted P(robot in region); tentative and outdone regions are left out."""
-    for i in range(len(particles)):
-        particle = particles[i]
-        for slot in range(table.shape[1]):
-            if table[i, slot] >= 0:
-                m = pool[table[i, slot]]
-                if m.rival < 0 and m.sightings >= confirmed_after:
-                    total[slot] += np.exp(particle.log_weight) * probability_inside(
-                        m, particle.expected, particle.spread
-                    )
-
-
-@njit
-def moments(particles: Array, mean: Array, cov: Array) -> Any:
-    """Write mean and covariance of the mixture of the particles' proposals; return the index of the heaviest."""
-    heaviest = 0
-    x, y, c, s = 0.0, 0.0, 0.0, 0.0
-    for i in range(len(particles)):
-        if particles[i].log_weight > particles[heaviest].log_weight:
-            heaviest = i
-        w = np.exp(particles[i].log_weight)
-        x += w * particles[i].expected[0]
-        y += w * particles[i].expected[1]
-        c += w * np.cos(particles[i].expected[2])
-        s += w * np.sin(particles[i].expected[2])
-    mean[0], mean[1], mean[2] = x, y, np.arctan2(s, c)
-    cov[:] = 0.0
-    offset = np.zeros(3)
-    for i in range(len(particles)):
-        w = np.exp(particles[i].log_weight)
-        offset[0], offset[1] = particles[i].expected[0] - x, particles[i].expected[1] - y
-        offset[2] = (particles[i].expected[2] - mean[2] + np.pi) % (2 * np.pi) - np.pi
-        for a in range(3):
-            for b in range(3):
-                cov[a, b] += w * (particles[i].spread[a, b] + offset[a] * offset[b])
-    return heaviest

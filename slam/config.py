@@ -9,6 +9,7 @@ import numpy as np
 
 from slam.measurement import MeasurementNoise
 from slam.motion import MotionNoise
+from slam.resampling import SCHEMES
 
 
 @dataclass(frozen=True)
@@ -29,6 +30,8 @@ class SlamConfig:
         region, in between it is used for neither (Montemerlo & Thrun 2003). Wide, because particles are overconfident.
     resample_below
         Resample when the effective sample size falls below this share of the particles.
+    resampling
+        Scheme, one of ``"systematic"``, ``"stratified"`` and ``"residual"``.
     prior_type, prior_link, prior_child
         Prior probabilities p(m), p(m -> n) and p(m < n) of Oberländer et al. 2008, eqs. (7), (16), (17).
     link_unseen
@@ -46,6 +49,7 @@ class SlamConfig:
     gate_associate: float = 50.0
     gate_new: float = 200.0
     resample_below: float = 0.5
+    resampling: str = "systematic"
     prior_type: float = 0.5
     prior_link: float = 0.2
     prior_child: float = 0.1
@@ -63,6 +67,8 @@ class SlamConfig:
             value = getattr(self, name)
             if not 0 < value <= 1 or (value == 1 and name != "resample_below"):
                 raise ValueError(f"{name} is {value!r}, expected a probability between 0 and 1")
+        if self.resampling not in SCHEMES:
+            raise ValueError(f"resampling is {self.resampling!r}, expected one of {', '.join(SCHEMES)}")
         if not 0 < self.gate_associate <= self.gate_new:
             raise ValueError(
                 f"gate_associate is {self.gate_associate!r} and gate_new {self.gate_new!r}, "

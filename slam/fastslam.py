@@ -4,85 +4,21 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from slam.association import ASSOCIATION, CANDIDATE, CANDIDATES_PER_MEASUREMENT, associate
-from slam.belief import Belief, moments
-from slam.config import Parameters, SlamConfig
-from slam.duplicates import resolve_duplicates
-from slam.edge_form import observe
-from slam.existence import update_existence
-from slam.geometric_update import update_geometry
-from slam.jit import Array, njit
-from slam.maps import Maps, gather
+from slam.belief import Belief
+from slam.config import SlamConfig
 from slam.measurement import Scan
+from slam.mixture import moments
 from slam.motion import Odometry
-from slam.near import demand, find_near
 from slam.particles import ParticleSet
-from slam.proposal import draw, place, predict, propose
-from slam.region import REGION
-from slam.resampling import systematic
-from slam.semantic_update import update_semantics
-from slam.topology_update import measured_relations, update_topology
-from slam.weights import normalise, weights
+from slam.proposal import place, predict
+from slam.resampling import SCHEMES
+from slam.scan_update import look_up, resample, update_particles
 
 NO_VIEW = np.zeros((0, 2))
-
-
-@njit
-def look_up(
-    particles: Array, arrays: tuple[Any, ...], records: Array, type_numbers: Array, measured_links: Array
-) -> Any:
-    """Return what is measured, in edge form, and which regions of each map it can be of; and the room this may need."""
-    n, maps = len(records), Maps(*arrays)
-    measured = np.zeros((n, 4), REGION)
-    relations = np.empty((n, n, 2))
-
-    observe(records, type_numbers, measured)
-    measured_relations(measured, measured_links, relations)
-    near, n_near = find_near(particles, maps, measured)
-    return measured, relations, near, n_near, demand(maps, near, n_near, relations)
-
-
-@njit
-def update_particles(
-    particles: Array,
-    arrays: tuple[Any, ...],
-    measured: Array,
-    relations: Array,
-    near: Array,
-    n_near: Array,
-    view: Array,
-    normals: Array,
-    scan_number: int,
-    parameters: tuple[Any, ...],
-) -> float:
-    """Take one scan through the filter, section III of the paper; return the effective sample size."""
-    n, maps, p = len(measured), Maps(*arrays), Parameters(*parameters)
-    associations = np.empty((len(particles), n), ASSOCIATION)
-    candidates = np.empty((len(particles), n * CANDIDATES_PER_MEASUREMENT), CANDIDATE)
-    n_candidates = np.zeros(len(particles), np.int64)
-
-    associate(particles, maps, near, n_near, measured, p, associations, candidates, n_candidates)
-    propose(particles, maps, measured, associations, p)
-    draw(particles, normals)
-    update_semantics(particles, maps, near, n_near, measured, candidates, n_candidates, p)
-    update_geometry(particles, maps, near, n_near, measured, associations, scan_number, p)
-    update_topology(maps, associations, relations, p)
-    update_existence(particles, maps, near, n_near, associations, candidates, n_candidates, view, p)
-    resolve_duplicates(maps, near, n_near, associations, scan_number, p)
-    return normalise(particles)
-
-
-@njit
-def resample(particles: Array, arrays: tuple[Any, ...], uniform: float) -> None:
-    """Replace the particles by copies of drawn ancestors, all of one weight; `uniform` is drawn from [0, 1)."""
-    gather(particles, Maps(*arrays), systematic(weights(particles["log_weight"].copy()), uniform))
-    for i in range(len(particles)):
-        particles[i].log_weight = -np.log(len(particles))
 
 
 class RegionSLAM:
@@ -195,7 +131,8 @@ class RegionSLAM:
         """Draw ancestors when the effective sample size is low."""
         particles = self._set.particles
         if self._ess < self.config.resample_below * len(particles):
-            resample(particles, tuple(self._set.maps), self._rng.random())
+            uniforms = self._rng.random(len(particles))
+            resample(particles, tuple(self._set.maps), SCHEMES.index(self.config.resampling), uniforms)
 
 
 def _checked_pose(pose: ArrayLike) -> NDArray[np.float64]:

@@ -3,7 +3,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from slam.belief import Belief, moments
+from slam.belief import Belief
+from slam.mixture import moments
 from tests.slam import naive
 from tests.slam.drawn import mapped, maps, particles, stored
 
