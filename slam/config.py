@@ -10,6 +10,8 @@ import numpy as np
 from slam.measurement import MeasurementNoise
 from slam.motion import MotionNoise
 
+GEOMETRIC_UPDATES = ("edges", "paper")
+
 
 @dataclass(frozen=True)
 class SlamConfig:
@@ -37,6 +39,9 @@ class SlamConfig:
         Log-odds a region gains when measured, loses when in view and not measured, is dropped below and cannot exceed.
     confirmed_after
         Number of sightings after which a region is no longer tentative.
+    geometric_update
+        How a region learns from a measurement: "edges", one joint Gaussian of all edge positions, or "paper", the
+        expansion and the independent blocks of Oberländer et al. 2008, section II-C.1, with their innovation (23).
     """
 
     n_particles: int = 4
@@ -55,6 +60,7 @@ class SlamConfig:
     existence_floor: float = -1.0
     existence_ceiling: float = 6.0
     confirmed_after: int = 3
+    geometric_update: str = "edges"
 
     def __post_init__(self) -> None:
         if not (isinstance(self.n_particles, int) and self.n_particles >= 1):
@@ -68,6 +74,9 @@ class SlamConfig:
                 f"gate_associate is {self.gate_associate!r} and gate_new {self.gate_new!r}, "
                 "expected 0 < gate_associate <= gate_new"
             )
+        if self.geometric_update not in GEOMETRIC_UPDATES:
+            known = " or ".join(map(repr, GEOMETRIC_UPDATES))
+            raise ValueError(f"geometric_update is {self.geometric_update!r}, expected {known}")
         if not (np.isfinite(self.sensor_range) and self.sensor_range > 0):
             raise ValueError(f"sensor_range is {self.sensor_range!r}, expected a length above 0 m")
 
@@ -91,6 +100,7 @@ class SlamConfig:
             self.existence_floor,
             self.existence_ceiling,
             self.confirmed_after,
+            self.geometric_update == "paper",
         )
 
 
@@ -110,3 +120,4 @@ class Parameters(NamedTuple):
     existence_floor: float
     existence_ceiling: float
     confirmed_after: int
+    paper_update: bool
