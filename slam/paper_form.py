@@ -32,19 +32,6 @@ def to_feature(region: np.record, types: Sequence[str]) -> RegionFeature:
     fig = np.zeros(1, MEASUREMENT)[0]
     to_parameters(region, fig)
     states = [EdgeState(int(state)) for state in fig.edges]
-    subs = [
-        Subrectangle(
-            float(fig.sub_w[side]),
-            float(fig.sub_h[side]),
-            float(fig.sub_y[side]),
-            *states[4 + 3 * side : 7 + 3 * side],
-            cov_wh=fig.sub_cov_wh[side].copy(),
-            var_y=float(fig.sub_var_y[side]),
-        )
-        if states[2 + side] is EdgeState.SUBRECT
-        else None
-        for side in range(2)
-    ]
     return RegionFeature(
         id=int(region.id),
         type=types[region.type],
@@ -58,8 +45,8 @@ def to_feature(region: np.record, types: Sequence[str]) -> RegionFeature:
         b=states[1],
         l=states[2],
         r=states[3],
-        left=subs[0],
-        right=subs[1],
+        left=_subrectangle(fig, 0, states),
+        right=_subrectangle(fig, 1, states),
         cov_xy=fig.cov_xy.copy(),
         cov_wh=fig.cov_wh.copy(),
         var_phi=float(fig.var_phi),
@@ -68,6 +55,15 @@ def to_feature(region: np.record, types: Sequence[str]) -> RegionFeature:
         visited=bool(region.visited),
         credible=bool(region.rival < 0),
     )
+
+
+def _subrectangle(fig: np.record, side: int, states: Sequence[EdgeState]) -> Subrectangle | None:
+    """Return the left (0) or right (1) subrectangle, if there is one."""
+    if states[2 + side] is not EdgeState.SUBRECT:
+        return None
+    w, h, y, var_y = (float(fig[name][side]) for name in ("sub_w", "sub_h", "sub_y", "sub_var_y"))
+    t, b, end = states[4 + 3 * side : 7 + 3 * side]
+    return Subrectangle(w, h, y, t, b, end, fig.sub_cov_wh[side].copy(), var_y)
 
 
 def to_region(feature: RegionFeature, types: Sequence[str], out: np.record) -> None:
