@@ -91,7 +91,7 @@ def meetings(draw: st.DrawFn) -> tuple[RegionFeature, RegionMeasurement, int, np
     return m, RegionMeasurement("office", **seen), z_first - m_first, pose  # type: ignore[arg-type]
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=200, deadline=None)
 @given(meetings())
 def test_update_is_that_of_the_equations(meeting: tuple[RegionFeature, RegionMeasurement, int, np.ndarray]) -> None:
     """All shapes, edge states and correspondences."""
