@@ -11,6 +11,8 @@ from slam.measurement import MeasurementNoise
 from slam.motion import MotionNoise
 from slam.resampling import SCHEMES
 
+GEOMETRIC_UPDATES = ("edges", "paper")
+
 
 @dataclass(frozen=True)
 class SlamConfig:
@@ -40,6 +42,9 @@ class SlamConfig:
         Log-odds a region gains when measured, loses when in view and not measured, is dropped below and cannot exceed.
     confirmed_after
         Number of sightings after which a region is no longer tentative.
+    geometric_update
+        How a region learns from a measurement: "edges", one joint Gaussian of all edge positions, or "paper", the
+        expansion and the independent blocks of Oberländer et al. 2008, section II-C.1, with their innovation (23).
     """
 
     n_particles: int = 4
@@ -59,6 +64,7 @@ class SlamConfig:
     existence_floor: float = -1.0
     existence_ceiling: float = 6.0
     confirmed_after: int = 3
+    geometric_update: str = "edges"
 
     def __post_init__(self) -> None:
         if not (isinstance(self.n_particles, int) and self.n_particles >= 1):
@@ -74,6 +80,9 @@ class SlamConfig:
                 f"gate_associate is {self.gate_associate!r} and gate_new {self.gate_new!r}, "
                 "expected 0 < gate_associate <= gate_new"
             )
+        if self.geometric_update not in GEOMETRIC_UPDATES:
+            known = " or ".join(map(repr, GEOMETRIC_UPDATES))
+            raise ValueError(f"geometric_update is {self.geometric_update!r}, expected {known}")
         if not (np.isfinite(self.sensor_range) and self.sensor_range > 0):
             raise ValueError(f"sensor_range is {self.sensor_range!r}, expected a length above 0 m")
 
@@ -97,6 +106,7 @@ class SlamConfig:
             self.existence_floor,
             self.existence_ceiling,
             self.confirmed_after,
+            self.geometric_update == "paper",
         )
 
 
@@ -116,3 +126,4 @@ class Parameters(NamedTuple):
     existence_floor: float
     existence_ceiling: float
     confirmed_after: int
+    paper_update: bool

@@ -9,7 +9,8 @@ import numpy as np
 from slam.association import CANDIDATE, compare
 from slam.edge_form import turn
 from slam.extent import area, contains, overlap, point_in_rectangle
-from slam.geometric_update import fuse, take_row
+from slam.geometric_update import fuse_as_set
+from slam.growth import take_row
 from slam.innovation import n_closed, workspace
 from slam.jit import Array, Record, njit
 from slam.maps import cover, drop, own, region_of
@@ -145,14 +146,14 @@ def merge(
     for quarters in range(4):
         turn(younger, quarters, descriptions[quarters])
         for k in range(1, MAX_STATE):
-            if descriptions[quarters].closed[k] == 0:
+            if descriptions[quarters].closed[k] == 0 and not p.paper_update:
                 descriptions[quarters].cov[k, k] = 0.0
     alike = compare(descriptions, older, stand, p, work, descriptions[4], candidate)
     if alike and candidate.distance < p.gate_associate:
         if candidate.turn_map:
             turn(older, 1, descriptions[4])
             take_row(descriptions[4], older)
-        fuse(descriptions[candidate.turn], older, candidate.offset, stand.pose, work)
+        fuse_as_set(descriptions[candidate.turn], older, candidate.offset, stand.pose, work, p)
     elif (n_closed(younger), younger.sightings) > (n_closed(older), older.sightings):
         take_row(younger, older)
     older.sightings += younger.sightings

@@ -19,7 +19,8 @@ import numpy as np
 
 from slam.edge_form import state_size
 from slam.jit import Array, Record, njit
-from slam.region import MAX_STATE, b_index, u_index
+from slam.measurement import MEASUREMENT
+from slam.region import MAX_STATE, REGION, b_index, u_index
 
 SLACK = 0.1**2
 """Variance (m²) granted to a bound: views end at rays, annotated regions at walls."""
@@ -39,6 +40,8 @@ class Workspace(NamedTuple):
     cov: np.ndarray  # (rows, rows) innovation covariance, becomes its Cholesky factor
     gain: np.ndarray  # (rows, states) H C, becomes L^-1 H C
     certain: np.ndarray  # (3, 3) covariance of a drawn pose: zero
+    regions: np.ndarray  # (2,) of REGION
+    figures: np.ndarray  # (2,) of MEASUREMENT
 
 
 @njit
@@ -54,6 +57,8 @@ def workspace() -> Any:
         np.zeros((n, n)),
         np.zeros((n, n)),
         np.zeros((3, 3)),
+        np.zeros(2, REGION),
+        np.zeros(2, MEASUREMENT),
     )
 
 
@@ -167,9 +172,16 @@ def _beyond(z: Record, m: Record, i: int, j: int, r: float, outward: int, slack:
 
 @njit
 def innovate(z: Record, m: Record, rows: int, pose_cov: Array, work: Record) -> Any:
-    """Turn the rows into a whitened innovation: S = L L^T, y = L^-1 r; return (y . y, log det S).
+    """Turn the rows into a whitened innovation: S = L L^T, y = L^-1 r; return (y . y, log det S)."""
+    innovation_covariance(z, m, rows, pose_cov, work)
+    return whiten(rows, work)
 
-    S = H_x P H_x^T + H_m C H_m^T + R with the joint covariances of pose, mapped region and measurement.
+
+@njit
+def innovation_covariance(z: Record, m: Record, rows: int, pose_cov: Array, work: Record) -> None:
+    """Write the lower half of S = H_x P H_x^T + H_m C H_m^T + R.
+
+    With the joint covariances of pose, mapped region and measurement.
     """
     phi_variance = m.cov[0, 0]
     for i in range(rows):
@@ -187,6 +199,11 @@ def innovate(z: Record, m: Record, rows: int, pose_cov: Array, work: Record) -> 
             value += gi * m.cov[0, mj] + gj * m.cov[mi, 0] + gi * gj * phi_variance
             value += t0 * work.normal[j, 0] + t1 * work.normal[j, 1] + t2 * work.normal[j, 2]
             work.cov[i, j] = value
+
+
+@njit
+def whiten(rows: int, work: Record) -> Any:
+    """Replace S by its Cholesky factor and the residual r by y = L^-1 r; return (y . y, log det S)."""
     distance, determinant = 0.0, 1.0
     for i in range(rows):
         for j in range(i + 1):

@@ -1,6 +1,6 @@
-"""From edge positions back to the parameters of Fig. 1, and a particle's map as `RegionFeature` objects.
+"""Records of the filter as `RegionFeature` objects and back, and a particle's whole map as features.
 
-Means and edge states are exact; covariances are the marginals of the joint one, all that Fig. 1 can hold.
+Means and edge states are exact both ways; covariances are the marginals of the joint one, all that Fig. 1 can hold.
 """
 
 from __future__ import annotations
@@ -9,9 +9,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from slam.maps import ADJACENT, Maps
+from slam.edge_form import to_edge_form
+from slam.maps import ADJACENT, INSIDE, Maps
+from slam.measurement import MEASUREMENT
+from slam.parameters import to_parameters
 from slam.region import EDGE_NAMES, EdgeState, RegionFeature, Subrectangle, b_index, u_index
-from slam.rows import Floats, Row
+from slam.rows import Row
 
 
 def row_of(region: np.record) -> Row:
@@ -26,36 +29,27 @@ def row_of(region: np.record) -> Row:
 
 def to_feature(region: np.record, types: Sequence[str]) -> RegionFeature:
     """Return a `REGION` record as a feature without links."""
-    row, main = row_of(region), int(region.main)
-    cov = np.array(region.cov)
-    parameters = row.parameters()
-    k, i = u_index(main), b_index(main)
-    k1 = u_index(main + 1)
-    c, s = np.cos(row.phi), np.sin(row.phi)
-    along, across = (region.state[k] + region.state[k1]) / 2, (region.state[i] + region.state[i + 1]) / 2
-
-    midpoint = np.zeros((2, len(cov)))  # d (x, y) / d state
-    midpoint[:, 0] = -s * along - c * across, c * along - s * across
-    midpoint[:, [k, k1]] = np.array([[c / 2], [s / 2]])
-    midpoint[:, [i, i + 1]] = np.array([[-s / 2], [c / 2]])
-    size = _difference(len(cov), [(k1, k), (i + 1, i)])
-    state = {name: EdgeState.CLOSED if closed else EdgeState.OPEN for name, closed in _edges(region).items()}
-    left = _subrectangle(region, main - 1, "l", state, cov) if main > 0 else None
-    right = _subrectangle(region, main + 1, "r", state, cov) if main + 1 < row.n else None
+    fig = np.zeros(1, MEASUREMENT)[0]
+    to_parameters(region, fig)
+    states = [EdgeState(int(state)) for state in fig.edges]
     return RegionFeature(
         id=int(region.id),
         type=types[region.type],
         type_log_odds=float(region.type_log_odds),
-        **{name: parameters[name] for name in ("x", "y", "w", "h", "phi")},
-        t=state["t"],
-        b=state["b"],
-        l=state["l"] if left is None else EdgeState.SUBRECT,
-        r=state["r"] if right is None else EdgeState.SUBRECT,
-        left=left,
-        right=right,
-        cov_xy=midpoint @ cov @ midpoint.T,
-        cov_wh=size @ cov @ size.T,
-        var_phi=float(cov[0, 0]),
+        x=float(fig.x),
+        y=float(fig.y),
+        w=float(fig.w),
+        h=float(fig.h),
+        phi=float(fig.phi),
+        t=states[0],
+        b=states[1],
+        l=states[2],
+        r=states[3],
+        left=_subrectangle(fig, 0, states),
+        right=_subrectangle(fig, 1, states),
+        cov_xy=fig.cov_xy.copy(),
+        cov_wh=fig.cov_wh.copy(),
+        var_phi=float(fig.var_phi),
         existence=float(region.existence),
         sightings=int(region.sightings),
         visited=bool(region.visited),
@@ -63,44 +57,61 @@ def to_feature(region: np.record, types: Sequence[str]) -> RegionFeature:
     )
 
 
-def _edges(region: np.record) -> dict[str, bool]:
-    """Return by name whether each edge is closed."""
-    main, closed = int(region.main), region.closed
-    i = b_index(main)
-    states = {"t": closed[i + 1], "b": closed[i], "l": closed[u_index(main)], "r": closed[u_index(main + 1)]}
-    if main > 0:
-        j = b_index(main - 1)
-        states |= {"tl": closed[j + 1], "bl": closed[j], "ll": closed[u_index(main - 1)]}
-    if main + 1 < region.n:
-        j = b_index(main + 1)
-        states |= {"tr": closed[j + 1], "br": closed[j], "rr": closed[u_index(main + 2)]}
-    return {name: bool(value) for name, value in states.items()}
+def _subrectangle(fig: np.record, side: int, states: Sequence[EdgeState]) -> Subrectangle | None:
+    """Return the left (0) or right (1) subrectangle, if there is one."""
+    if states[2 + side] is not EdgeState.SUBRECT:
+        return None
+    w, h, y, var_y = (float(fig[name][side]) for name in ("sub_w", "sub_h", "sub_y", "sub_var_y"))
+    t, b, end = states[4 + 3 * side : 7 + 3 * side]
+    return Subrectangle(w, h, y, t, b, end, fig.sub_cov_wh[side].copy(), var_y)
 
 
-def _difference(size: int, pairs: Sequence[tuple[int, int]]) -> Floats:
-    """Return the Jacobian of differences of state entries."""
-    jacobian = np.zeros((len(pairs), size))
-    for row, (plus, minus) in enumerate(pairs):
-        jacobian[row, plus], jacobian[row, minus] = 1.0, -1.0
-    return jacobian
+def to_region(feature: RegionFeature, types: Sequence[str], out: np.record) -> None:
+    """Write a feature into a `REGION` record anchored at the midpoint of its main rectangle.
+
+    Links and the rank among rival hypotheses belong to a particle's map, not to the record: see `to_links`.
+
+    Raises
+    ------
+    ValueError
+        For a type that is not among `types`.
+    """
+    if feature.type not in types:
+        raise ValueError(f"type is {feature.type!r}, expected one of {', '.join(map(repr, types))}")
+    fig = np.zeros(1, MEASUREMENT)[0]
+    fig.n, fig.main = feature.row.n, feature.row.main
+    fig.w, fig.h, fig.phi, fig.var_phi = feature.w, feature.h, feature.phi, feature.var_phi
+    fig.cov_xy[:], fig.cov_wh[:] = feature.cov_xy, feature.cov_wh
+    fig.edges[:4] = feature.t, feature.b, feature.l, feature.r
+    for side, sub in enumerate((feature.left, feature.right)):
+        if sub is not None:
+            fig.sub_w[side], fig.sub_h[side], fig.sub_y[side] = sub.w, sub.h, sub.y
+            fig.sub_cov_wh[side], fig.sub_var_y[side] = sub.cov_wh, sub.var_y
+            fig.edges[4 + 3 * side : 7 + 3 * side] = sub.t, sub.b, sub.end
+    to_edge_form(fig, out)
+    out.anchor[:] = feature.x, feature.y
+    out.id, out.type, out.type_log_odds = feature.id, types.index(feature.type), feature.type_log_odds
+    out.existence, out.sightings, out.visited = feature.existence, feature.sightings, feature.visited
+    out.first_link = out.rival = -1
 
 
-def _subrectangle(region: np.record, i: int, side: str, state: dict[str, EdgeState], cov: Floats) -> Subrectangle:
-    j, main = b_index(i), b_index(int(region.main))
-    size = _difference(len(cov), [(u_index(i + 1), u_index(i)), (j + 1, j)])
-    offset = np.zeros(len(cov))
-    offset[[j, j + 1]], offset[[main, main + 1]] = 0.5, -0.5
-    w, h = size @ region.state
-    return Subrectangle(
-        w=float(w),
-        h=float(h),
-        y=float(offset @ region.state),
-        t=state[f"t{side}"],
-        b=state[f"b{side}"],
-        end=state[side * 2],
-        cov_wh=size @ cov @ size.T,
-        var_y=float(offset @ cov @ offset),
-    )
+def to_links(features: Sequence[RegionFeature]) -> list[tuple[int, int, int, str, float]]:
+    """Return the links of features as a map holds them: source id, target id, kind, edge of the source, log-odds.
+
+    A child is linked to its parent, through no edge.
+    """
+    adjacent = [
+        (feature.id, target, ADJACENT, edge, log_odds)
+        for feature in features
+        for edge, neighbours in feature.neighbours.items()
+        for target, log_odds in neighbours.items()
+    ]
+    inside = [
+        (child, feature.id, INSIDE, "", log_odds)
+        for feature in features
+        for child, log_odds in feature.children.items()
+    ]
+    return adjacent + inside
 
 
 def to_features(maps: Maps, particle: int, types: Sequence[str], confirmed_after: int) -> list[RegionFeature]:

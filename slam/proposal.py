@@ -10,9 +10,10 @@ from __future__ import annotations
 import numpy as np
 
 from slam.edge_form import turn
-from slam.innovation import SLACK, condition, correspond, innovate, log_likelihood, n_closed, workspace, wrap
+from slam.innovation import SLACK, condition, correspond, log_likelihood, workspace, wrap
 from slam.jit import Array, Record, njit
 from slam.maps import region_of
+from slam.paper_innovation import innovate_as_set, n_rows
 
 LOG_REFERENCE_HEADING = -np.log(2 * np.pi)
 """Log density of a heading that is not explained, per rad: free of the unit of length, as every heading's is."""
@@ -67,15 +68,15 @@ def propose(particles: Array, maps: Record, measured: Array, associations: Array
         for j in range(len(measured)):
             a = associations[i, j]
             if a.slot < 0:
-                particle.log_weight += (n_closed(measured[j, 0]) - 1) * p.log_reference + LOG_REFERENCE_HEADING
+                particle.log_weight += (n_rows(measured[j, 0], p) - 1) * p.log_reference + LOG_REFERENCE_HEADING
                 continue
             z, m = measured[j, a.turn], region_of(maps, i, a.slot)
             if a.turn_map:
                 turn(m, 1, turned[0])
                 m = turned[0]
             rows, _ = correspond(z, m, a.offset, particle.pose, SLACK, work, np.inf)
-            distance, log_det = innovate(z, m, rows, particle.cov, work)
-            particle.log_weight += log_likelihood(distance, log_det, rows, n_closed(z), p.log_reference)
+            rows, distance, log_det = innovate_as_set(z, m, rows, particle.cov, work, p)
+            particle.log_weight += log_likelihood(distance, log_det, rows, n_rows(z, p), p.log_reference)
             for r in range(rows):
                 for b in range(3):
                     total = 0.0

@@ -58,6 +58,7 @@ REGION = np.dtype(
             ("state", np.float64, (MAX_STATE,)),
             ("cov", np.float64, (MAX_STATE, MAX_STATE)),
             ("closed", np.int8, (MAX_STATE,)),  # edges: 0 open, 1 closed or joint; entry 0 (phi) is always 1
+            ("contrary", np.int8, (MAX_STATE,)),  # views beyond a closed edge, lately
         ],
     )
 )
@@ -74,6 +75,12 @@ def u_index(k: int) -> int:
 def b_index(i: int) -> int:
     """Return the place of the bottom edge of rectangle i in the state vector; its top edge follows."""
     return 3 + 3 * i
+
+
+@njit
+def is_u(k: int) -> bool:
+    """Say whether place k of the state vector is a boundary along the row, not an edge across it."""
+    return k == 1 or k % 3 == 2
 
 
 @dataclass(frozen=True, eq=False)

@@ -26,9 +26,10 @@ def test_probabilities_become_log_odds_and_the_range_a_density() -> None:
         ("sensor_range", -1.0),
         ("gate_associate", 400.0),
         ("link_unseen", math.nan),
+        ("geometric_update", "papers"),
     ],
 )
-def test_a_bad_setting_is_named_with_its_value(field: str, value: float) -> None:
+def test_a_bad_setting_is_named_with_its_value(field: str, value: object) -> None:
     with pytest.raises(ValueError, match=field) as error:
         SlamConfig(**{field: value})  # type: ignore[arg-type]
     assert str(value) in str(error.value)

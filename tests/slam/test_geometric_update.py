@@ -5,7 +5,8 @@ import pytest
 
 from slam.association import NEW
 from slam.edge_form import FLAT_VARIANCE, state_size
-from slam.geometric_update import fuse, grow, shift_right, start, update_geometry
+from slam.geometric_update import fuse, start, update_geometry
+from slam.growth import grow, shift_right
 from slam.innovation import workspace
 from slam.measurement import RegionMeasurement
 from slam.region import REGION
@@ -79,6 +80,19 @@ def test_an_open_edge_begins_inside_the_view_and_knows_nothing() -> None:
     assert not np.any(m.cov[2, [0, 1, 3, 4]])
 
 
+def bent(z: np.record, turn: float) -> np.ndarray:
+    """How far the lines of z move when its main rectangle turns about the robot, less the part linear in the turn."""
+    k, i = naive.u_places(z.n)[z.main], naive.bt_places(z.n)[z.main][0]
+    k1 = naive.u_places(z.n)[z.main + 1]
+    middle = np.array([z.state[k] + z.state[k1], z.state[i] + z.state[i + 1]]) / 2
+    along, across = naive.axes(turn)
+    du, dv = along @ middle - middle[0] - turn * middle[1], across @ middle - middle[1] + turn * middle[0]
+    out = np.full(state_size(z.n), dv)
+    out[naive.u_places(z.n)] = du
+    out[0] = 0.0
+    return out
+
+
 @pytest.mark.parametrize("n", [1, 2, 3])
 def test_fusing_closed_edges_is_the_textbook_update(n: int) -> None:
     rng = np.random.default_rng(n)
@@ -90,8 +104,10 @@ def test_fusing_closed_edges_is_the_textbook_update(n: int) -> None:
     noise = naive.random_covariance(rng, size, 0.05)
     h = naive.derivative(lambda x: naive.seen_from(x, anchor, pose), m.state[:size])
     residual = lines - naive.seen_from(m.state[:size], anchor, pose)
+    z = sense(lines, noise)
+    residual += bent(z, m.state[0] - pose[2] - lines[0])
     mean, cov = naive.kalman(m.state[:size].copy(), m.cov[:size, :size].copy(), h, residual, noise)
-    fuse(sense(lines, noise), m, 0, pose, workspace())
+    fuse(z, m, 0, pose, workspace())
     np.testing.assert_allclose(m.state[:size], mean, atol=1e-9)
     np.testing.assert_allclose(m.cov[:size, :size], cov, atol=1e-9)
     np.testing.assert_array_equal(m.cov, m.cov.T)
@@ -130,7 +146,7 @@ def test_a_shorter_view_does_not_pull_a_bound_in() -> None:
     fuse(z, m, 0, ORIGIN, workspace())
     assert (m.state[2], m.closed[2]) == (5.0, 0)
     fuse(sense(np.array([0.0, -2, 7, -1, 1]), np.eye(5) * 0.01, closed=[1, 1, 0, 1, 1]), m, 0, ORIGIN, workspace())
-    assert m.state[2] == pytest.approx(6.7)  # three standard deviations inside the view
+    assert m.state[2] == pytest.approx(6.6)  # four standard deviations inside the view
 
 
 def test_standing_still_does_not_push_an_open_edge() -> None:
@@ -150,6 +166,63 @@ def test_standing_still_does_not_push_an_open_edge() -> None:
         moved.append(last - 3.0)
         assert abs(m.anchor[0] + m.state[1] + 2) < 0.02
     assert np.mean(moved) < 0.06  # a naive maximum moves by 0.32
+
+
+def test_headings_off_to_either_side_do_not_lengthen_a_region() -> None:
+    """A hallway's two ends, each seen from before it with an error of the heading, and then with the opposite one."""
+    m = mapped([0.0, -9, 9, -1, 1], cov=np.diag([1e-12, 1, 1, 1, 1]))
+    work = workspace()
+    noise = np.diag([0.1**2, 0.1, 0.1, 0.1, 0.1])
+    for x, y, closed in ((-6.0, 1.0, [1, 1, 0, 1, 1]), (6.0, 1.0, [1, 0, 1, 1, 1])):
+        for error in (0.1, -0.1):
+            pose, middle = np.array([x, y, 0.0]), np.array([-np.sign(x) * 4.0, -y])
+            along, across = naive.axes(error)
+            u, v = along @ middle, across @ middle
+            lines = np.array([error, u - 7, u + 7, v - 1, v + 1])
+            z = sense(lines, noise)
+            lever = np.array([1.0, v, v, -u, -u])  # the lines are drawn along the noisy heading
+            z.cov[:5, :5] = np.outer(lever, lever) * 0.01 + np.diag([0, 0.1, 0.1, 0.1, 0.1])
+            z.closed[:5] = closed
+            fuse(z, m, 0, pose, work)
+    assert m.state[2] - m.state[1] == pytest.approx(18.0, abs=1e-3)
+
+
+def glimpse(right: float, closed: int = 0) -> np.record:
+    """A hallway from -2 to `right`, seen from the origin."""
+    return sense(np.array([0.0, -2, right, -1, 1]), np.eye(5) * 0.01, closed=[1, 1, closed, 1, 1])
+
+
+def test_an_edge_closed_by_mistake_reopens_when_views_keep_ending_beyond_it() -> None:
+    m, work = mapped([0, -2, 2, -1, 1], cov=0.01), workspace()
+    for _ in range(3):
+        fuse(glimpse(3.0), m, 0, ORIGIN, work)
+    assert m.closed[2] == 1
+    assert m.state[2] == pytest.approx(2.0)
+    fuse(glimpse(3.0), m, 0, ORIGIN, work)
+    assert (m.closed[2], m.contrary[2]) == (0, 0)
+    assert m.state[2] == pytest.approx(3.0 - 0.4)  # a bound from here on, as if never closed
+    fuse(glimpse(6.0, closed=1), m, 0, ORIGIN, work)
+    assert m.closed[2] == 1
+    assert m.state[2] == pytest.approx(6.0, abs=1e-3)
+
+
+def test_single_outliers_do_not_open_an_edge() -> None:
+    """Every other view ends beyond the edge: for each, another one sees the edge or ends before it."""
+    m, work = mapped([0, -2, 2, -1, 1], cov=0.01), workspace()
+    for k in range(50):
+        fuse(glimpse(3.0), m, 0, ORIGIN, work)
+        fuse(glimpse(2.0, closed=1) if k % 2 else glimpse(1.0), m, 0, ORIGIN, work)
+    assert m.closed[2] == 1
+    assert m.state[2] == pytest.approx(2.0, abs=1e-3)
+
+
+def test_a_view_that_ends_inside_a_rectangle_says_nothing_against_its_joint() -> None:
+    m, work = mapped([0, -2, 2, -1, 1, 6, -2, 2], cov=0.01), workspace()
+    before = m.state.copy()
+    for _ in range(10):
+        fuse(glimpse(0.0), m, 0, ORIGIN, work)
+    assert m.closed[:8].all()
+    np.testing.assert_allclose(m.state, before, atol=1e-9)
 
 
 def bare(m: np.record, places: list[int]) -> bool:
@@ -312,3 +385,45 @@ def test_errors_of_a_region_seen_twenty_times_match_its_covariance(n: int) -> No
         total += float(error @ np.linalg.solve(m.cov[:size, :size], error))
     degrees = runs * size
     assert abs(total - degrees) < 3.3 * np.sqrt(2 * degrees)
+
+
+def test_a_hallway_of_sixty_metres_grows_step_by_step() -> None:
+    """Range 8 m, known pose: both ends are bounds until the robot gets there."""
+    rng = np.random.default_rng(5)
+    sigma = np.array([0.03, 0.14, 0.14, 0.1, 0.1])
+    m, work = blank(), workspace()
+    for x in np.arange(30.0, 60.0, 0.2).tolist() + np.arange(60.0, 0.0, -0.2).tolist():
+        pose = np.array([x, 0.2, 0.0])
+        left, right = max(0.0, x - 8.0), min(60.0, x + 8.0)
+        lines = np.array([0.0, left - x, right - x, -1.4, 1.0]) + sigma * rng.standard_normal(5)
+        z = sense(lines, np.diag(sigma**2), closed=[1, left == 0.0, right == 60.0, 1, 1])
+        if m.n == 0:
+            start(z, pose, m, P)
+        else:
+            fuse(z, m, 0, pose, work)
+        near, far = m.anchor[0] + m.state[1], m.anchor[0] + m.state[2]
+        assert near >= 0.0 - 0.6  # never farther than a view's own error
+        assert far <= 60.0 + 0.6
+    assert m.closed[:5].all()
+    error = np.array([near, far - 60.0])
+    assert np.all(np.abs(error) < 4 * np.sqrt(np.diag(m.cov)[1:3]))
+    assert np.abs(error).max() < 0.1
+
+
+def test_standing_still_for_a_thousand_scans_shrinks_nothing() -> None:
+    """Noise of 1.2 times the told covariance: closed edges stay, open ones stay within a view's error of its end."""
+    rng = np.random.default_rng(6)
+    truth, sigma = np.array([0.0, -2, 3, -1.5, 1.5]), np.array([0.03, 0.14, 0.14, 0.14, 0.14])
+    m, work = blank(), workspace()
+    for step in range(1000):
+        lines = truth + np.sqrt(1.2) * sigma * rng.standard_normal(5)
+        z = sense(lines, np.diag(sigma**2), closed=[1, 1, 0, 1, 0])
+        if step == 0:
+            start(z, ORIGIN, m, P)
+        else:
+            fuse(z, m, 0, ORIGIN, work)
+    ends = naive.seen_from(m.state[:5], m.anchor, ORIGIN)
+    assert m.closed[:5].tolist() == [1, 1, 0, 1, 0]
+    assert np.abs(ends - truth)[[1, 3]].max() < 0.03
+    assert np.all((ends - truth > -0.14)[[2, 4]])
+    assert np.all((ends - truth < 0.07)[[2, 4]])

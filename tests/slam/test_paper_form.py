@@ -1,13 +1,17 @@
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from slam.edge_form import state_size
 from slam.geometric_update import start
 from slam.maps import ADJACENT, INSIDE, add_link
 from slam.measurement import RegionMeasurement
-from slam.paper_form import facing_edge, row_of, to_feature, to_features
+from slam.paper_form import facing_edge, row_of, to_feature, to_features, to_links, to_region
 from slam.region import REGION, EdgeState, RegionFeature, Subrectangle
 from slam.rows import Row
 from tests.slam import naive
@@ -85,6 +89,79 @@ def test_edge_states_come_back() -> None:
     feature = to_feature(m, ["office"])
     assert feature.open_edges == ("b", "tl", "ll", "br")
     assert feature.edges["l"] is feature.edges["r"] is EdgeState.SUBRECT
+
+
+@st.composite
+def features(draw: st.DrawFn) -> RegionFeature:
+    """Every shape and every edge state."""
+    n, left = draw(st.sampled_from(SHAPES))
+    rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
+    state = st.sampled_from([OPEN, CLOSED])
+    z = random_measurement(rng, n, left)
+    subs = [
+        sub and dataclasses.replace(sub, t=draw(state), b=draw(state), end=draw(state)) for sub in (z.left, z.right)
+    ]
+    ends = [draw(state) if sub is None else EdgeState.SUBRECT for sub in subs]
+    return RegionFeature(
+        42,
+        "kitchen",
+        1.5,
+        *(z.x, z.y, z.w, z.h, rng.uniform(-np.pi, np.pi), draw(state), draw(state), *ends, *subs),
+        cov_xy=z.cov_xy,  # type: ignore[arg-type]
+        cov_wh=z.cov_wh,  # type: ignore[arg-type]
+        var_phi=z.var_phi,  # type: ignore[arg-type]
+        existence=2.5,
+        sightings=7,
+        visited=True,
+    )
+
+
+def assert_same(a: object, b: object) -> None:
+    assert dataclasses.is_dataclass(a)
+    for field in dataclasses.fields(a):
+        ours, theirs = getattr(a, field.name), getattr(b, field.name)
+        if isinstance(ours, Subrectangle):
+            assert_same(ours, theirs)
+        elif isinstance(ours, np.ndarray | float):
+            np.testing.assert_allclose(ours, theirs, rtol=1e-9, atol=1e-12)
+        else:
+            assert ours == theirs
+
+
+@settings(max_examples=100, deadline=None)
+@given(features())
+def test_every_field_of_a_feature_comes_back_from_its_record(feature: RegionFeature) -> None:
+    m = np.zeros(1, REGION)[0]
+    to_region(feature, ["office", "kitchen"], m)
+    assert_same(to_feature(m, ["office", "kitchen"]), feature)
+    m.anchor[0] += 1.0  # shifted, not the same place: the test can fail
+    assert to_feature(m, ["office", "kitchen"]).x != pytest.approx(feature.x)
+
+
+@pytest.mark.parametrize(("n", "main"), [(1, 0), (2, 0), (2, 1), (3, 1)])
+def test_a_record_comes_back_from_its_feature_but_for_correlations(n: int, main: int) -> None:
+    rng = np.random.default_rng(n)
+    size = state_size(n)
+    m = mapped(random_state(rng, n), (1.0, 2.0), naive.random_covariance(rng, size), open_edges=[1, 3])
+    m.main = main
+    back = np.zeros(1, REGION)[0]
+    to_region(to_feature(m, ["office"]), ["office"], back)
+    np.testing.assert_allclose(row_of(back).rectangles(), row_of(m).rectangles(), atol=1e-9)
+    np.testing.assert_array_equal(back.closed, m.closed)
+    assert (back.n, back.main, back.cov[0, 0]) == (n, main, m.cov[0, 0])
+    again = to_feature(back, ["office"])
+    np.testing.assert_allclose(again.cov_xy, to_feature(m, ["office"]).cov_xy, rtol=1e-9)
+
+
+def test_a_type_that_the_filter_does_not_know_is_refused() -> None:
+    feature = RegionFeature(1, "attic", 0.0, 0, 0, 1, 1, 0)
+    with pytest.raises(ValueError, match="type is 'attic', expected one of 'office'"):
+        to_region(feature, ["office"], np.zeros(1, REGION)[0])
+
+
+def test_links_of_features_as_a_map_holds_them() -> None:
+    room = RegionFeature(1, "office", 0.0, 0, 0, 4, 4, 0, neighbours={"t": {2: 1.5}, "l": {3: -0.5}}, children={4: 2.0})
+    assert to_links([room]) == [(1, 2, ADJACENT, "t", 1.5), (1, 3, ADJACENT, "l", -0.5), (4, 1, INSIDE, "", 2.0)]
 
 
 def test_a_row_lies_where_its_corners_are() -> None:

@@ -1,0 +1,1 @@
+"""The experiments of Oberländer et al. 2008, repeated with this filter."""
