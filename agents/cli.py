@@ -7,18 +7,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
-from rich.progress import (
-    BarColumn,
-    MofNCompleteColumn,
-    Progress,
-    ProgressColumn,
-    SpinnerColumn,
-    TextColumn,
-    TimeElapsedColumn,
-)
+from rich.progress import SpinnerColumn, TextColumn
 from rich.table import Table
 
-from agents.console import DONE, FAILED, Commands, InputError, console, print_json, status_console
+from agents.benchmark_commands import app as benchmark_app
+from agents.console import DONE, FAILED, Commands, bar, console, print_json, progress, status_console
+from agents.options import Json, WorldName, check_folder, given
 from agents.world_commands import app as world_app
 
 if TYPE_CHECKING:
@@ -26,16 +20,15 @@ if TYPE_CHECKING:
 
 app = typer.Typer(
     cls=Commands,
-    help="Semantic navigation under SLAM uncertainty: run missions, train and evaluate agents, look after worlds.",
+    help="Semantic navigation under SLAM uncertainty: run missions, train and evaluate agents, measure, tend worlds.",
     no_args_is_help=True,
     add_completion=False,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
 )
+app.add_typer(benchmark_app, name="benchmark")
 app.add_typer(world_app, name="world")
 
-Json = Annotated[bool, typer.Option("--json", help="Print one JSON object as the last line.")]
-WorldName = Annotated[str, typer.Option("--world", help="A built-in world or the file of one.")]
 EnvId = Annotated[str, typer.Option("--env", help="Id of an environment.")]
 
 
@@ -62,7 +55,7 @@ def run(
     """Run a mission in words with the scripted agent."""
     from agents.run import RunSettings, run_mission
 
-    _check_folder(out)
+    check_folder(out)
     settings = RunSettings(mission, world, seed, start_distance, out, localization, noise)
     say = console()
     with _Teller(mission) as teller:
@@ -96,16 +89,16 @@ def evaluate(
     model = load_model(agent)
     trained = {} if model is None else model.regionslam
     env_id = check_environment(env or trained.get("env_id", "RegionSLAM/GoTo-v0"))
-    kwargs = {**trained.get("env_kwargs", {}), **_given(world=world, goal=goal, split=split, localization=localization)}
+    kwargs = {**trained.get("env_kwargs", {}), **given(world=world, goal=goal, split=split, localization=localization)}
     environment = gymnasium.make(env_id, **kwargs)
-    with _bar() as progress:
-        task = progress.add_task("episodes", total=episodes)
+    with bar() as shown:
+        task = shown.add_task("episodes", total=episodes)
         results = run_episodes(
             environment,
             make_agent(agent, environment, seed, model),
             episodes,
             seed,
-            lambda episode, metrics: progress.advance(task),
+            lambda episode, metrics: shown.advance(task),
         )
     environment.close()
     summary = summarize(results)
@@ -133,9 +126,9 @@ def train(
     from agents.train import train as run_training
 
     check_environment(env)
-    _check_folder(out.parent)
+    check_folder(out.parent)
     began = time.perf_counter()
-    settings = TrainSettings(env, steps, seed, out, n_envs, checkpoint_every, _given(world=world, goal=goal))
+    settings = TrainSettings(env, steps, seed, out, n_envs, checkpoint_every, given(world=world, goal=goal))
     saved = run_training(settings, progress=status_console().is_terminal)
     seconds = time.perf_counter() - began
     console().print(f"Trained {steps} steps in {seconds:.0f} s; saved {saved}. Evaluate: regionslam evaluate {saved}")
@@ -144,58 +137,12 @@ def train(
     return DONE
 
 
-@app.command()
-def benchmark(
-    what: Annotated[str, typer.Argument(help="env, filter or tour.")] = "env",
-    steps: Annotated[int | None, typer.Option(min=100, help="Steps in all (env, filter).")] = None,
-    world: WorldName = "institute",
-    seeds: Annotated[int, typer.Option(min=1, help="Seeds (tour).")] = 10,
-    particles: Annotated[int, typer.Option(min=1, help="Particles (tour).")] = 4,
-    occlusion: Annotated[bool, typer.Option(help="Whether walls hide regions (tour).")] = False,
-    json: Json = False,
-) -> int:
-    """Measure the speed of the environment (env, by part) or the filter, or the filter's accuracy on a 300 m tour."""
-    from agents.accuracy import tour_errors
-    from agents.benchmark import benchmark_environment, benchmark_filter
-    from regionslam_env.errors import unknown
-
-    if what == "env":
-        result = benchmark_environment(steps or 20_000, world=world)
-        lines = _environment_lines(result)
-    elif what == "filter":
-        result = benchmark_filter(steps=steps or 2_000)
-        lines = [
-            f"{result['filter_us']:.0f} µs per step with {result['particles']} particles,"
-            f" {result['measurements']} measurements, {result['regions']} regions"
-        ]
-    elif what == "tour":
-        runs = []
-        for run in tour_errors(seeds, particles, occlusion=occlusion):
-            console().print("  ".join(f"{name} {_figure(value)}" for name, value in run.items()))
-            runs.append(run)
-        worst = max(run["ape_max"] for run in runs)
-        lines = [f"{seeds} seeds: position off by {worst:.2f} m at most"]
-        result = {
-            "seeds": seeds,
-            "n_particles": particles,
-            "occlusion": occlusion,
-            "ape_max_worst": worst,
-            "runs": runs,
-        }
-    else:
-        raise InputError(unknown("benchmark", what, ("env", "filter", "tour")))
-    console().print("\n".join(lines))
-    if json:
-        print_json(result)
-    return DONE
-
-
 class _Teller:
     """Shows the progress of a mission on standard error and the robot's words on standard output."""
 
     def __init__(self, mission: str) -> None:
         self._out = console()
-        self._progress = _progress(SpinnerColumn(), TextColumn("{task.description}"))
+        self._progress = progress(SpinnerColumn(), TextColumn("{task.description}"))
         self._task = self._progress.add_task(mission, total=None)
         self._said = ("", "")
 
@@ -238,44 +185,6 @@ def _metrics_table(title: str, summary: dict[str, dict[str, float | int | None]]
         interval = "" if s["low"] is None else f"{s['low']:.3f} to {s['high']:.3f}"
         table.add_row(name, "" if s["mean"] is None else f"{s['mean']:.3f}", interval, str(s["n"]))
     return table
-
-
-def _figure(value: float | None) -> str:
-    return f"{value:.3f}" if isinstance(value, float) else str(value)
-
-
-def _environment_lines(result: dict[str, Any]) -> list[str]:
-    parts = result["microseconds"]
-    return [
-        f"{result['env']}: {result['steps_per_second']:.0f} steps per second, reset {result['reset_ms']:.1f} ms "
-        f"({result['quiet']} of {result['repeats']} repeats on a quiet machine)",
-        *(f"  {part:<14}{microseconds:8.1f} µs" for part, microseconds in parts.items()),
-    ]
-
-
-def _progress(*columns: ProgressColumn) -> Progress:
-    """Return a progress display on standard error that vanishes when done and is silent where nobody watches."""
-    target = status_console()
-    return Progress(*columns, console=target, transient=True, disable=not target.is_terminal)
-
-
-def _bar() -> Progress:
-    return _progress(TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
-
-
-def _given(**options: Any) -> dict[str, Any]:
-    return {name: value for name, value in options.items() if value is not None}
-
-
-def _check_folder(folder: Path | None) -> None:
-    """Refuse a folder that cannot be one before any work is done."""
-    if folder is None:
-        return
-    for part in (folder, *folder.parents):
-        if part.exists():
-            if not part.is_dir():
-                raise InputError(f"{part}: a file, expected a folder")
-            return
 
 
 if __name__ == "__main__":

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any, TypeVar
 
 import gymnasium
 import typer
 from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, ProgressColumn, TextColumn, TimeElapsedColumn
 from typer.core import TyperGroup
+
+T = TypeVar("T")
 
 DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 
@@ -71,6 +74,26 @@ def console() -> Console:
 def status_console() -> Console:
     """Return a console on the present standard error, for progress that is no result."""
     return Console(stderr=True, highlight=False)
+
+
+def progress(*columns: ProgressColumn) -> Progress:
+    """Return a progress display on standard error that vanishes when done and is silent where nobody watches."""
+    target = status_console()
+    return Progress(*columns, console=target, transient=True, disable=not target.is_terminal)
+
+
+def bar() -> Progress:
+    """Return a progress display of how many of how many are done."""
+    return progress(TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
+
+
+def track(items: Iterable[T], total: int, what: str) -> Iterator[T]:
+    """Yield the items and show how many of `total` have come."""
+    with bar() as shown:
+        task = shown.add_task(what, total=total)
+        for item in items:
+            shown.advance(task)
+            yield item
 
 
 def print_json(values: Mapping[str, Any]) -> None:

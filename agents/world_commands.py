@@ -14,14 +14,13 @@ import typer
 from rich.table import Table
 
 from agents.console import DONE, InputError, console, print_json
+from agents.options import Json
 
 if TYPE_CHECKING:
     from regionslam_env.worlds.world import World
     from slam.rows import Row
 
 app = typer.Typer(help="List, show, import and check worlds.", no_args_is_help=True, rich_markup_mode=None)
-
-Json = Annotated[bool, typer.Option("--json", help="Print one JSON object as the last line.")]
 
 
 @app.command("list")

@@ -95,6 +95,8 @@ def test_a_failed_mission_has_exit_code_1(monkeypatch):
         (("evaluate", "random", "--split", "tests"), ("tests", "'test'")),
         (("train", "--env", "CartPole-v1"), ("CartPole-v1", "RegionSLAM/GoTo-v0")),
         (("benchmark", "envs"), ("envs", "'env'")),
+        (("benchmark", "tour", "--seeds", "0"), ("seeds",)),
+        (("benchmark", "tour", "--noise", "standart"), ("standart", "standard")),
         (("world", "show", "institut"), ("institut", "institute")),
         (("world", "lst"), ("lst", "list")),
         (("world", "import", "no.xml"), ("no.xml",)),
@@ -156,6 +158,20 @@ def test_evaluation_prints_means_and_intervals():
     assert values["episodes"] == 2 and values["metrics"]["spl"]["n"] == 2
     assert values["metrics"]["false_arrival"]["n"] == 0  # nothing to declare in GoTo-v0
     assert "95 % interval" in result.stdout
+
+
+@pytest.mark.compiled
+@pytest.mark.parametrize("name", [(), ("env",)])
+def test_the_benchmark_of_the_environment_is_the_default(name):
+    result = invoke("benchmark", *name, "--steps", 100, "--json")
+    assert result.exit_code == 0, result.output
+    assert last_json(result)["steps_per_second"] > 0 and "steps per second" in result.stdout
+
+
+def test_benchmarks_are_listed():
+    result = invoke("benchmark", "--help")
+    assert result.exit_code == 0
+    assert all(name in result.stdout for name in ("env", "filter", "tour"))
 
 
 def test_help_needs_no_environment():

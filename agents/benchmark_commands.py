@@ -1,0 +1,90 @@
+"""Commands that measure: `regionslam benchmark env | filter | tour`. Each is one function here."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Annotated, Any
+
+import typer
+from typer.core import TyperGroup
+
+from agents.console import DONE, console, print_json, track
+from agents.options import Json, Noise, Occlusion, Particles, WorldName
+
+
+class EnvironmentByDefault(TyperGroup):
+    """The group of all benchmarks; without the name of one it is `env`."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Put `env` before options that follow no benchmark."""
+        if not args or (args[0].startswith("-") and args[0] not in ctx.help_option_names):
+            args = ["env", *args]
+        return super().parse_args(ctx, args)
+
+
+app = typer.Typer(cls=EnvironmentByDefault, help="Measure speed and accuracy.", rich_markup_mode=None)
+
+Steps = Annotated[int, typer.Option(min=100, help="Steps in all.")]
+Seeds = Annotated[int, typer.Option(min=1, help="Number of seeds.")]
+
+
+@app.command("env")
+def environment(steps: Steps = 20_000, world: WorldName = "institute", json: Json = False) -> int:
+    """Count steps per second of the environment; time a step by part."""
+    from agents.benchmark import benchmark_environment
+
+    result = benchmark_environment(steps, world=world)
+    say = console()
+    say.print(
+        f"{result['env']}: {result['steps_per_second']:.0f} steps per second, reset {result['reset_ms']:.1f} ms "
+        f"({result['quiet']} of {result['repeats']} repeats on a quiet machine)"
+    )
+    for part, microseconds in result["microseconds"].items():
+        say.print(f"  {part:<14}{microseconds:8.1f} µs")
+    return _done(result, json)
+
+
+@app.command("filter")
+def filter_(steps: Steps = 2_000, json: Json = False) -> int:
+    """Time one step of the filter."""
+    from agents.benchmark import benchmark_filter
+
+    result = benchmark_filter(steps=steps)
+    console().print(
+        f"{result['filter_us']:.0f} µs per step with {result['particles']} particles,"
+        f" {result['measurements']} measurements, {result['regions']} regions"
+    )
+    return _done(result, json)
+
+
+@app.command()
+def tour(
+    seeds: Seeds = 10,
+    particles: Particles = 4,
+    noise: Noise = "standard",
+    occlusion: Occlusion = False,
+    json: Json = False,
+) -> int:
+    """Judge the filter on a course of 320 m, seed by seed."""
+    from agents import accuracy
+    from agents.parallel import over_seeds
+
+    run = partial(accuracy.tour, n_particles=particles, noise=noise, occlusion=occlusion)
+    runs = list(track(over_seeds(run, range(seeds), accuracy.warm_up), seeds, "seeds"))
+    say = console()
+    for values in runs:
+        say.print("  ".join(f"{name} {_figure(value)}" for name, value in values.items()))
+    worst = max(values["ape_max"] for values in runs)
+    say.print(f"{seeds} seeds: position off by {worst:.2f} m at most")
+    settings = {"seeds": seeds, "n_particles": particles, "noise": noise, "occlusion": occlusion}
+    return _done({**settings, "ape_max_worst": worst, "runs": runs}, json)
+
+
+def _done(result: dict[str, Any], json: bool) -> int:
+    if json:
+        print_json(result)
+    return DONE
+
+
+def _figure(value: float | None) -> str:
+    return f"{value:.3f}" if isinstance(value, float) else str(value)

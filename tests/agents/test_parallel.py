@@ -1,0 +1,42 @@
+from __future__ import annotations
+
+import multiprocessing
+import os
+
+import pytest
+
+from agents.parallel import THREADS, over_seeds, processors
+
+
+def test_results_come_in_the_order_of_the_seeds_from_other_processes():
+    before = {name: os.environ.get(name) for name in THREADS}
+    warm: list[bool] = []
+    seeds = [3, 1, 2]
+    assert list(over_seeds(hex, seeds, lambda: warm.append(True), workers=2)) == ["0x3", "0x1", "0x2"]
+    assert {name: os.environ.get(name) for name in THREADS} == before
+    assert len(warm) <= 1
+
+
+def test_one_worker_runs_here():
+    assert list(over_seeds(lambda seed: os.getpid() + seed, [0, 1], workers=1)) == [os.getpid(), os.getpid() + 1]
+
+
+def test_no_seed_gives_nothing():
+    assert list(over_seeds(hex, [])) == []
+
+
+def test_an_error_of_a_seed_is_raised_and_no_process_stays():
+    with pytest.raises(ValueError, match="chr"):
+        list(over_seeds(chr, [1, 2, -1, 4], workers=2))
+    assert multiprocessing.active_children() == []
+
+
+def test_leaving_early_stops_the_processes():
+    results = over_seeds(hex, range(100), workers=2)
+    assert next(results) == "0x0"
+    results.close()
+    assert multiprocessing.active_children() == []
+
+
+def test_there_is_a_processor():
+    assert processors() >= 1
