@@ -24,7 +24,7 @@ from slam.se2 import between
 
 REGULAR = 1e-6
 """Added to pose variances (m², rad²): a robot that has not moved yet is certain of its pose."""
-WARM_UP = 200
+WARM_UP = 20
 """Steps of a tour that run every kernel once."""
 
 

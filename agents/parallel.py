@@ -10,8 +10,6 @@ from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from typing import TypeVar
 
-from numba import config as numba_config
-
 T = TypeVar("T")
 
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
@@ -46,8 +44,7 @@ def over_seeds(
     if workers <= 1:
         yield from map(function, seeds)
         return
-    if not numba_config.DISABLE_JIT:
-        warm_up()
+    warm_up()
     others = set(multiprocessing.active_children())
     context = multiprocessing.get_context("spawn")  # a fork would copy the progress display's thread half alive
     with _single_threaded():
