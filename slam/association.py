@@ -12,25 +12,29 @@ from typing import Any
 
 import numpy as np
 
-from slam.edge_form import turn
 from slam.extent import area
 from slam.innovation import (
-    SLACK,
+    DRIFT,
     correspond,
     innovate,
     is_admissible,
     log_likelihood,
+    midpoint_distance,
     n_closed,
     workspace,
 )
 from slam.jit import Array, Record, njit
 from slam.maps import region_of
 from slam.region import b_index, u_index
+from slam.turning import turn
 
 ASSOCIATION = np.dtype(
     (np.record, [("slot", np.int64), ("turn", np.int64), ("turn_map", np.int64), ("offset", np.int64)])
 )
-"""What a measurement is to a particle: a slot (or NEW, AMBIGUOUS), quarter turns of z and m, offset of their rows."""
+"""What a measurement is to a particle: a slot (or NEW, AMBIGUOUS), quarter turns of z and m, offset of their rows.
+
+Quarter turns are the equivalent descriptions of `slam.turning`: those of a longer row lie along its other axis.
+"""
 
 NEW, AMBIGUOUS = -1, -2
 
@@ -56,11 +60,17 @@ CANDIDATES_PER_MEASUREMENT = 12
 ALIKE = 2.5
 """Ratio of areas up to which a measurement of another type can be one of the same place."""
 
-LARGE_AREA = 4.0
-"""Area (m²) of a view that makes a region even where hardly an edge is seen."""
+LARGE_VIEW = 1 / 4
+"""Side of a square, in ranges of the sensor, that makes a region even where hardly an edge is seen."""
 
-MARGIN = 1.0
-"""Distance (m) beyond which regions that do not touch are not compared."""
+MARGIN = 1 / 8
+"""Distance, in ranges of the sensor, beyond which regions that do not touch are not compared."""
+
+ALMOST = 1e-9
+"""Log likelihoods that differ by less are equal but for rounding."""
+
+NONE = -9
+"""No offset."""
 
 
 @njit
@@ -79,7 +89,7 @@ def associate(
 
     `measured` (M, 4) holds the equivalent descriptions, `associations` (P, M) and `candidates` (P, ...) are written.
     """
-    work = workspace()
+    work = workspace(p.tolerance)
     turned = np.zeros_like(measured[:1, 0])
     circles = bounding_circles(measured)
     areas = np.zeros(near.shape[1])
@@ -88,7 +98,7 @@ def associate(
             areas[j] = area(region_of(maps, i, near[i, j]))
         pose = particles[i].pose
         c, s = np.cos(pose[2]), np.sin(pose[2])
-        margin = MARGIN + 5.0 * np.sqrt(particles[i].cov[0, 0] + particles[i].cov[1, 1])
+        margin = MARGIN * p.sensor_range + 5.0 * np.sqrt(particles[i].cov[0, 0] + particles[i].cov[1, 1])
         n = 0
         for z in range(len(measured)):
             x = pose[0] + c * circles[z, 0] - s * circles[z, 1]
@@ -109,9 +119,9 @@ def associate(
 
 
 @njit
-def can_be_born(z: Record) -> bool:
+def can_be_born(z: Record, p: Record) -> bool:
     """Say whether a measurement shows enough of a place to begin a region: two closed edges, or a large area."""
-    return n_closed(z) >= 3 or area(z) >= LARGE_AREA
+    return n_closed(z) >= 3 or area(z) >= (LARGE_VIEW * p.sensor_range) ** 2
 
 
 @njit
@@ -120,10 +130,7 @@ def bounding_circles(measured: Array) -> Any:
     circles = np.zeros((len(measured), 4))
     for i in range(len(measured)):
         z = measured[i, 0]
-        u0, u1 = z.state[u_index(0)], z.state[u_index(z.n)]
-        v0, v1 = z.state[b_index(0)], z.state[b_index(0) + 1]
-        for k in range(1, z.n):
-            v0, v1 = min(v0, z.state[b_index(k)]), max(v1, z.state[b_index(k) + 1])
+        u0, u1, v0, v1 = box(z)
         u, v = (u0 + u1) / 2, (v0 + v1) / 2
         c, s = np.cos(z.state[0]), np.sin(z.state[0])
         circles[i, 0], circles[i, 1] = c * u - s * v, s * u + c * v
@@ -144,43 +151,106 @@ def compare(
 ) -> bool:
     """Write the best equivalent and alignment of a measurement with a region; say whether it is in the gate.
 
-    The likelihood of closed edges decides; midpoints never do, for a partial view moves them.
+    Of the descriptions of z the one along the axis of m is tried, and, if that does not fit, the one along the other
+    axis, with m described anew as well. A row measured across a single rectangle, which is exact in every description,
+    is first tried as it is.
     """
     z0 = descriptions[0]
-    misfit = m.state[0] - z0.state[0] - particle.pose[2]
-    turn_map = 0
-    if z0.n == 1:
-        quarters = int(np.round(misfit / (np.pi / 2))) % 4
-    else:
-        quarters = 2 * (int(np.round(misfit / np.pi)) % 2)
-        if m.n == 1 and np.cos(2 * misfit) < 0.0:
-            # z runs along the other axis of a region that so far is a single rectangle: describe that one anew.
-            turn_map = 1
-    z = descriptions[quarters]
-    target = m
-    if turn_map:
-        turn(m, 1, turned)
-        target = turned
-        quarters = 2 * (int(np.round((turned.state[0] - z0.state[0] - particle.pose[2]) / np.pi)) % 2)
-        z = descriptions[quarters]
-    slack = SLACK + particle.cov[0, 0] + particle.cov[1, 1]
-    possible = n_closed(z)
+    out.same_type, out.distance = z0.type == m.type, np.inf
+    quarters = int(np.round((m.state[0] - z0.state[0] - particle.pose[2]) / (np.pi / 2))) % 4
+    turns_first = quarters % 2 == 1 and z0.n > 1 and m.n == 1
     best = -np.inf
-    for offset in range(1 - z.n, target.n):
-        if not is_admissible(z, target, offset):
+    for attempt in range(2):
+        if (attempt == 0) != turns_first:
+            best = align(descriptions[quarters], m, quarters, 0, particle, p, work, best, out)
+        elif (z0.n > 1 or m.n > 1) and share_centre(z0, m, particle, p):
+            turn(m, 1, turned)
+            across = (quarters + 1) % 4
+            best = align(descriptions[across], turned, across, 1, particle, p, work, best, out)
+        if out.distance < p.gate_associate:
+            break
+    return best > -np.inf
+
+
+@njit
+def share_centre(z: Record, m: Record, particle: Record, p: Record) -> bool:
+    """Say whether the centre of the box around z or m lies in the box around the other, give or take where z is."""
+    margin = DRIFT * np.sqrt(p.tolerance**2 + particle.cov[0, 0] + particle.cov[1, 1])
+    zu0, zu1, zv0, zv1 = box(z)
+    mu0, mu1, mv0, mv1 = box(m)
+    turn = m.state[0] - z.state[0] - particle.pose[2]
+    c, s = np.cos(m.state[0]), np.sin(m.state[0])
+    dx, dy = m.anchor[0] - particle.pose[0], m.anchor[1] - particle.pose[1]
+    pu, pv = c * dx + s * dy, -s * dx + c * dy
+    c, s = np.cos(turn), np.sin(turn)
+    u, v = (zu0 + zu1) / 2, (zv0 + zv1) / 2
+    u, v = c * u + s * v - pu, -s * u + c * v - pv
+    if mu0 - margin < u < mu1 + margin and mv0 - margin < v < mv1 + margin:
+        return True
+    u, v = (mu0 + mu1) / 2 + pu, (mv0 + mv1) / 2 + pv
+    u, v = c * u - s * v, s * u + c * v
+    return zu0 - margin < u < zu1 + margin and zv0 - margin < v < zv1 + margin
+
+
+@njit
+def box(region: Record) -> Any:
+    """Return the box around a row in its own axes: the least and greatest u, the least and greatest v, m."""
+    v0, v1 = region.state[b_index(0)], region.state[b_index(0) + 1]
+    for k in range(1, region.n):
+        v0, v1 = min(v0, region.state[b_index(k)]), max(v1, region.state[b_index(k) + 1])
+    return region.state[u_index(0)], region.state[u_index(region.n)], v0, v1
+
+
+@njit
+def align(
+    z: Record,
+    m: Record,
+    quarters: int,
+    turn_map: int,
+    particle: Record,
+    p: Record,
+    work: Record,
+    best: float,
+    out: Record,
+) -> float:
+    """Write the alignment of two rows that is more likely than `best` into `out`; return the greater of both scores.
+
+    Closed edges and joints decide. Midpoints do only between alignments that are just as likely, for a partial view
+    moves them; or always, with the paper's rule.
+    """
+    if z.n == 0 or m.n == 0:
+        return best
+    slack = p.tolerance**2 + particle.cov[0, 0] + particle.cov[1, 1]
+    only = nearest_alignment(z, m, particle.pose) if p.by_midpoints else NONE
+    nearest = -np.inf
+    for offset in range(1 - z.n, m.n):
+        if not is_admissible(z, m, offset) or (p.by_midpoints and offset != only):
             continue
-        rows, violation = correspond(z, target, offset, particle.pose, slack, work, p.gate_new)
+        rows, violation = correspond(z, m, offset, particle.pose, slack, work, p.gate_new)
         if rows < 0 or violation > p.gate_new:
             continue
-        distance, log_det = innovate(z, target, rows, particle.cov, work)
+        distance, log_det = innovate(z, m, rows, particle.cov, work)
         if distance + violation > p.gate_new:
             continue
-        score = log_likelihood(distance + violation, log_det, rows, possible, p.log_reference)
-        if score > best:
-            best = score
-            out.offset, out.distance, out.log_likelihood = offset, distance + violation, score
-    out.turn, out.turn_map, out.same_type = quarters, turn_map, z0.type == m.type
-    return best > -np.inf
+        score = log_likelihood(distance + violation, log_det, rows, p.log_reference)
+        apart = midpoint_distance(z, m, offset, particle.pose) if z.n + m.n > 2 else 0.0
+        if score > best + ALMOST or (score > best - ALMOST and apart < nearest):
+            best, nearest = score, apart
+            out.turn, out.turn_map, out.offset = quarters, turn_map, offset
+            out.distance, out.log_likelihood = distance + violation, score
+    return best
+
+
+@njit
+def nearest_alignment(z: Record, m: Record, pose: Array) -> int:
+    """Return the admissible offset with the least distance of two midpoints, section II-C of the paper."""
+    chosen, nearest = NONE, np.inf
+    for offset in range(1 - z.n, m.n):
+        if is_admissible(z, m, offset):
+            apart = midpoint_distance(z, m, offset, pose)
+            if apart < nearest:
+                chosen, nearest = offset, apart
+    return chosen
 
 
 @njit
@@ -190,7 +260,7 @@ def assign(candidates: Array, associations: Array, measured: Array, taken: Array
     `taken` is scratch, one number per slot, -1 before and after.
     """
     for z in range(len(measured)):
-        associations[z].slot = NEW if can_be_born(measured[z, 0]) else AMBIGUOUS
+        associations[z].slot = NEW if can_be_born(measured[z, 0], p) else AMBIGUOUS
     open_pairs = np.zeros(len(candidates), np.bool_)
     for c in range(len(candidates)):
         open_pairs[c] = candidates[c].same_type and candidates[c].distance < p.gate_associate

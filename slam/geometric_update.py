@@ -13,12 +13,13 @@ from typing import Any
 import numpy as np
 
 from slam.association import NEW
-from slam.edge_form import FLAT_VARIANCE, bounding_radius, state_size, turn
-from slam.innovation import SLACK, condition, correspond, innovate, workspace
+from slam.edge_form import FLAT_VARIANCE, bounding_radius, state_size
+from slam.innovation import condition, correspond, innovate, workspace
 from slam.jit import Array, Record, njit
 from slam.maps import add, cover, new_slot, own
 from slam.measurement import MAX_MEASUREMENTS
 from slam.region import b_index, u_index
+from slam.turning import turn
 
 START_SIGMAS = 1.0
 """An open edge is first put at the measured edge minus this many standard deviations."""
@@ -28,6 +29,9 @@ PUSH_SIGMAS = 3.0
 
 The greatest of 1,000 normal errors is 3.2 standard deviations: standing still moves no edge beyond the end of the view.
 """
+
+LEAST_SIZE = 0.1
+"""Least width or height of a rectangle, in tolerances."""
 
 
 @njit
@@ -42,7 +46,7 @@ def update_geometry(
     p: Record,
 ) -> None:
     """Update every associated region and add the new ones; a new region's slot goes into `associations` and `near`."""
-    work = workspace()
+    work = workspace(p.tolerance)
     turned = np.zeros_like(measured[:1, 0])
     born = np.full(len(measured), -1, np.int64)  # the slot of a new region is the same for all particles
     for i in range(len(particles)):
@@ -110,8 +114,8 @@ def start(z: Record, pose: Array, m: Record, p: Record) -> None:
     for k in range(1, size):
         if not m.closed[k]:
             m.state[k] -= outward_of(m, k) * START_SIGMAS * np.sqrt(m.cov[k, k])
-            forget_edge(m, k)
-    keep_order(m)
+            forget_edge(m, k, FLAT_VARIANCE * m.cov[k, k])
+    keep_order(m, LEAST_SIZE * p.tolerance)
     m.radius = bounding_radius(m)
     m.type, m.type_log_odds = z.type, p.prior_type + z.confidence - 0.5
     m.existence, m.sightings, m.visited = 0.0, 1, 0
@@ -131,7 +135,7 @@ def fuse(z: Record, m: Record, offset: int, pose: Array, work: Record) -> None:
     """Update region m with row z, seen from a certain pose with rectangle j of z being rectangle j + offset of m."""
     offset = grow(z, m, offset)
     settle_open_edges(z, m, offset, pose)
-    rows, _ = correspond(z, m, offset, pose, SLACK, work, np.inf)
+    rows, _ = correspond(z, m, offset, pose, work.tolerance**2, work, np.inf)
     innovate(z, m, rows, work.certain, work)
     size = state_size(m.n)
     for r in range(rows):
@@ -139,7 +143,7 @@ def fuse(z: Record, m: Record, offset: int, pose: Array, work: Record) -> None:
             work.gain[r, b] = m.cov[work.im[r], b] + work.lever[r] * m.cov[0, b]
     condition(m.state, m.cov, size, rows, work)
     m.state[0] = (m.state[0] + np.pi) % (2 * np.pi) - np.pi
-    keep_order(m)
+    keep_order(m, LEAST_SIZE * work.tolerance)
     m.radius = bounding_radius(m)
 
 
@@ -174,7 +178,7 @@ def shift_right(m: Record) -> None:
 def bare_rectangle(m: Record, i: int, end: Record, joint: Record) -> None:
     """Make rectangle i one of which nothing is known but the joint: bounds that any view pushes out."""
     for k in (end, b_index(i), b_index(i) + 1):
-        forget_edge(m, k)
+        forget_edge(m, k, FLAT_VARIANCE * m.cov[joint, joint])
     m.state[end] = -np.inf if end > joint else np.inf
     m.state[b_index(i)], m.state[b_index(i) + 1] = np.inf, -np.inf
 
@@ -193,12 +197,12 @@ def move_state(m: Record, source: Record, target: int) -> None:
 
 
 @njit
-def forget_edge(m: Record, k: int) -> None:
-    """Make an edge open and independent of everything else, with a flat variance."""
+def forget_edge(m: Record, k: int, variance: float) -> None:
+    """Make an edge open and independent of everything else, with a variance that should be flat."""
     m.closed[k] = 0
     for a in range(len(m.state)):
         m.cov[k, a] = m.cov[a, k] = 0.0
-    m.cov[k, k] = FLAT_VARIANCE
+    m.cov[k, k] = variance
 
 
 @njit
@@ -222,7 +226,7 @@ def settle(z: Record, m: Record, i: int, j: int, shift: float, outward: int) -> 
         return
     measured = z.state[i] - shift
     if z.closed[i]:
-        forget_edge(m, j)
+        forget_edge(m, j, FLAT_VARIANCE * z.cov[i, i])
         m.closed[j] = 1
         m.state[j] = measured
     else:
@@ -230,13 +234,12 @@ def settle(z: Record, m: Record, i: int, j: int, shift: float, outward: int) -> 
         bound = measured - outward * sigmas * np.sqrt(z.cov[i, i])
         if outward * (bound - m.state[j]) > 0.0:
             m.state[j] = bound
-            forget_edge(m, j)
+            forget_edge(m, j, FLAT_VARIANCE * z.cov[i, i] if z.cov[i, i] > 0.0 else m.cov[j, j])
 
 
 @njit
-def keep_order(m: Record) -> None:
-    """Keep edges from crossing: open ones give way; closed ones do so too, as noise can swap those of a thin region."""
-    least = 0.01
+def keep_order(m: Record, least: float) -> None:
+    """Keep edges from crossing, `least` m apart: open ones give way, and closed ones, as noise can swap them."""
     for k in range(m.n):
         i, j = u_index(k), u_index(k + 1)
         if m.state[j] - m.state[i] < least:
