@@ -12,21 +12,11 @@ from typing import Any
 
 import numpy as np
 
+from slam.comparison import box, compare
 from slam.extent import area
-from slam.innovation import (
-    DRIFT,
-    correspond,
-    innovate,
-    is_admissible,
-    log_likelihood,
-    midpoint_distance,
-    n_closed,
-    workspace,
-)
+from slam.innovation import n_closed, workspace
 from slam.jit import Array, Record, njit
 from slam.maps import region_of
-from slam.region import b_index, u_index
-from slam.turning import turn
 
 ASSOCIATION = np.dtype(
     (np.record, [("slot", np.int64), ("turn", np.int64), ("turn_map", np.int64), ("offset", np.int64)])
@@ -38,23 +28,6 @@ Quarter turns are the equivalent descriptions of `slam.turning`: those of a long
 
 NEW, AMBIGUOUS = -1, -2
 
-CANDIDATE = np.dtype(
-    (
-        np.record,
-        [
-            ("z", np.int64),
-            ("slot", np.int64),
-            ("turn", np.int64),
-            ("turn_map", np.int64),
-            ("offset", np.int64),
-            ("same_type", np.int64),
-            ("distance", np.float64),
-            ("log_likelihood", np.float64),
-        ],
-    )
-)
-"""A measurement and a region that could be the same place."""
-
 CANDIDATES_PER_MEASUREMENT = 12
 
 ALIKE = 2.5
@@ -65,12 +38,6 @@ LARGE_VIEW = 1 / 4
 
 MARGIN = 1 / 8
 """Distance, in ranges of the sensor, beyond which regions that do not touch are not compared."""
-
-ALMOST = 1e-9
-"""Log likelihoods that differ by less are equal but for rounding."""
-
-NONE = -9
-"""No offset."""
 
 
 @njit
@@ -143,114 +110,6 @@ def bounding_circles(measured: Array) -> Any:
 def are_alike(a: float, b: float) -> bool:
     """Say whether two areas are near enough for two types to be taken for one another."""
     return a < ALIKE * b and b < ALIKE * a
-
-
-@njit
-def compare(
-    descriptions: Record, m: Record, particle: Record, p: Record, work: Record, turned: Record, out: Record
-) -> bool:
-    """Write the best equivalent and alignment of a measurement with a region; say whether it is in the gate.
-
-    Of the descriptions of z the one along the axis of m is tried, and, if that does not fit, the one along the other
-    axis, with m described anew as well. A row measured across a single rectangle, which is exact in every description,
-    is first tried as it is.
-    """
-    z0 = descriptions[0]
-    out.same_type, out.distance = z0.type == m.type, np.inf
-    quarters = int(np.round((m.state[0] - z0.state[0] - particle.pose[2]) / (np.pi / 2))) % 4
-    turns_first = quarters % 2 == 1 and z0.n > 1 and m.n == 1
-    best = -np.inf
-    for attempt in range(2):
-        if (attempt == 0) != turns_first:
-            best = align(descriptions[quarters], m, quarters, 0, particle, p, work, best, out)
-        elif (z0.n > 1 or m.n > 1) and share_centre(z0, m, particle, p):
-            turn(m, 1, turned)
-            across = (quarters + 1) % 4
-            best = align(descriptions[across], turned, across, 1, particle, p, work, best, out)
-        if out.distance < p.gate_associate:
-            break
-    return best > -np.inf
-
-
-@njit
-def share_centre(z: Record, m: Record, particle: Record, p: Record) -> bool:
-    """Say whether the centre of the box around z or m lies in the box around the other, give or take where z is."""
-    margin = DRIFT * np.sqrt(p.tolerance**2 + particle.cov[0, 0] + particle.cov[1, 1])
-    zu0, zu1, zv0, zv1 = box(z)
-    mu0, mu1, mv0, mv1 = box(m)
-    turn = m.state[0] - z.state[0] - particle.pose[2]
-    c, s = np.cos(m.state[0]), np.sin(m.state[0])
-    dx, dy = m.anchor[0] - particle.pose[0], m.anchor[1] - particle.pose[1]
-    pu, pv = c * dx + s * dy, -s * dx + c * dy
-    c, s = np.cos(turn), np.sin(turn)
-    u, v = (zu0 + zu1) / 2, (zv0 + zv1) / 2
-    u, v = c * u + s * v - pu, -s * u + c * v - pv
-    if mu0 - margin < u < mu1 + margin and mv0 - margin < v < mv1 + margin:
-        return True
-    u, v = (mu0 + mu1) / 2 + pu, (mv0 + mv1) / 2 + pv
-    u, v = c * u - s * v, s * u + c * v
-    return zu0 - margin < u < zu1 + margin and zv0 - margin < v < zv1 + margin
-
-
-@njit
-def box(region: Record) -> Any:
-    """Return the box around a row in its own axes: the least and greatest u, the least and greatest v, m."""
-    v0, v1 = region.state[b_index(0)], region.state[b_index(0) + 1]
-    for k in range(1, region.n):
-        v0, v1 = min(v0, region.state[b_index(k)]), max(v1, region.state[b_index(k) + 1])
-    return region.state[u_index(0)], region.state[u_index(region.n)], v0, v1
-
-
-@njit
-def align(
-    z: Record,
-    m: Record,
-    quarters: int,
-    turn_map: int,
-    particle: Record,
-    p: Record,
-    work: Record,
-    best: float,
-    out: Record,
-) -> float:
-    """Write the alignment of two rows that is more likely than `best` into `out`; return the greater of both scores.
-
-    Closed edges and joints decide. Midpoints do only between alignments that are just as likely, for a partial view
-    moves them; or always, with the paper's rule.
-    """
-    if z.n == 0 or m.n == 0:
-        return best
-    slack = p.tolerance**2 + particle.cov[0, 0] + particle.cov[1, 1]
-    only = nearest_alignment(z, m, particle.pose) if p.by_midpoints else NONE
-    nearest = -np.inf
-    for offset in range(1 - z.n, m.n):
-        if not is_admissible(z, m, offset) or (p.by_midpoints and offset != only):
-            continue
-        rows, violation = correspond(z, m, offset, particle.pose, slack, work, p.gate_new)
-        if rows < 0 or violation > p.gate_new:
-            continue
-        distance, log_det = innovate(z, m, rows, particle.cov, work)
-        if distance + violation > p.gate_new:
-            continue
-        score = log_likelihood(distance + violation, log_det, rows, p.log_reference)
-        apart = midpoint_distance(z, m, offset, particle.pose) if z.n + m.n > 2 else 0.0
-        if score > best + ALMOST or (score > best - ALMOST and apart < nearest):
-            best, nearest = score, apart
-            out.turn, out.turn_map, out.offset = quarters, turn_map, offset
-            out.distance, out.log_likelihood = distance + violation, score
-    return best
-
-
-@njit
-def nearest_alignment(z: Record, m: Record, pose: Array) -> int:
-    """Return the admissible offset with the least distance of two midpoints, section II-C of the paper."""
-    chosen, nearest = NONE, np.inf
-    for offset in range(1 - z.n, m.n):
-        if is_admissible(z, m, offset):
-            apart = midpoint_distance(z, m, offset, pose)
-            if apart < nearest:
-                chosen, nearest = offset, apart
-    return chosen
 
 
 @njit

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from slam.association import CANDIDATE, compare
+from slam.comparison import CANDIDATE, compare
 from slam.extent import area, contains, overlap, point_in_rectangle
 from slam.geometric_update import fuse, take_row
 from slam.innovation import n_closed, workspace

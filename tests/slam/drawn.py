@@ -7,7 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from slam.association import ASSOCIATION, CANDIDATE, associate
+from slam.association import ASSOCIATION, associate
+from slam.comparison import CANDIDATE
 from slam.config import Parameters, SlamConfig
 from slam.edge_form import bounding_radius
 from slam.maps import FREE_RECORDS, USED_SLOTS, Maps, cover
