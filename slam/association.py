@@ -12,55 +12,32 @@ from typing import Any
 
 import numpy as np
 
-from slam.edge_form import turn
+from slam.comparison import box, compare
 from slam.extent import area
-from slam.innovation import (
-    SLACK,
-    correspond,
-    innovate,
-    is_admissible,
-    log_likelihood,
-    n_closed,
-    workspace,
-)
+from slam.innovation import n_closed, workspace
 from slam.jit import Array, Record, njit
 from slam.maps import region_of
-from slam.region import b_index, u_index
 
 ASSOCIATION = np.dtype(
     (np.record, [("slot", np.int64), ("turn", np.int64), ("turn_map", np.int64), ("offset", np.int64)])
 )
-"""What a measurement is to a particle: a slot (or NEW, AMBIGUOUS), quarter turns of z and m, offset of their rows."""
+"""What a measurement is to a particle: a slot (or NEW, AMBIGUOUS), quarter turns of z and m, offset of their rows.
+
+Quarter turns are the equivalent descriptions of `slam.turning`: those of a longer row lie along its other axis.
+"""
 
 NEW, AMBIGUOUS = -1, -2
-
-CANDIDATE = np.dtype(
-    (
-        np.record,
-        [
-            ("z", np.int64),
-            ("slot", np.int64),
-            ("turn", np.int64),
-            ("turn_map", np.int64),
-            ("offset", np.int64),
-            ("same_type", np.int64),
-            ("distance", np.float64),
-            ("log_likelihood", np.float64),
-        ],
-    )
-)
-"""A measurement and a region that could be the same place."""
 
 CANDIDATES_PER_MEASUREMENT = 12
 
 ALIKE = 2.5
 """Ratio of areas up to which a measurement of another type can be one of the same place."""
 
-LARGE_AREA = 4.0
-"""Area (m²) of a view that makes a region even where hardly an edge is seen."""
+LARGE_VIEW = 1 / 4
+"""Side of a square, in ranges of the sensor, that makes a region even where hardly an edge is seen."""
 
-MARGIN = 1.0
-"""Distance (m) beyond which regions that do not touch are not compared."""
+MARGIN = 1 / 8
+"""Distance, in ranges of the sensor, beyond which regions that do not touch are not compared."""
 
 
 @njit
@@ -79,7 +56,7 @@ def associate(
 
     `measured` (M, 4) holds the equivalent descriptions, `associations` (P, M) and `candidates` (P, ...) are written.
     """
-    work = workspace()
+    work = workspace(p.tolerance)
     turned = np.zeros_like(measured[:1, 0])
     circles = bounding_circles(measured)
     areas = np.zeros(near.shape[1])
@@ -88,7 +65,7 @@ def associate(
             areas[j] = area(region_of(maps, i, near[i, j]))
         pose = particles[i].pose
         c, s = np.cos(pose[2]), np.sin(pose[2])
-        margin = MARGIN + 5.0 * np.sqrt(particles[i].cov[0, 0] + particles[i].cov[1, 1])
+        margin = MARGIN * p.sensor_range + 5.0 * np.sqrt(particles[i].cov[0, 0] + particles[i].cov[1, 1])
         n = 0
         for z in range(len(measured)):
             x = pose[0] + c * circles[z, 0] - s * circles[z, 1]
@@ -109,9 +86,9 @@ def associate(
 
 
 @njit
-def can_be_born(z: Record) -> bool:
+def can_be_born(z: Record, p: Record) -> bool:
     """Say whether a measurement shows enough of a place to begin a region: two closed edges, or a large area."""
-    return n_closed(z) >= 3 or area(z) >= LARGE_AREA
+    return n_closed(z) >= 3 or area(z) >= (LARGE_VIEW * p.sensor_range) ** 2
 
 
 @njit
@@ -120,10 +97,7 @@ def bounding_circles(measured: Array) -> Any:
     circles = np.zeros((len(measured), 4))
     for i in range(len(measured)):
         z = measured[i, 0]
-        u0, u1 = z.state[u_index(0)], z.state[u_index(z.n)]
-        v0, v1 = z.state[b_index(0)], z.state[b_index(0) + 1]
-        for k in range(1, z.n):
-            v0, v1 = min(v0, z.state[b_index(k)]), max(v1, z.state[b_index(k) + 1])
+        u0, u1, v0, v1 = box(z)
         u, v = (u0 + u1) / 2, (v0 + v1) / 2
         c, s = np.cos(z.state[0]), np.sin(z.state[0])
         circles[i, 0], circles[i, 1] = c * u - s * v, s * u + c * v
@@ -139,58 +113,13 @@ def are_alike(a: float, b: float) -> bool:
 
 
 @njit
-def compare(
-    descriptions: Record, m: Record, particle: Record, p: Record, work: Record, turned: Record, out: Record
-) -> bool:
-    """Write the best equivalent and alignment of a measurement with a region; say whether it is in the gate.
-
-    The likelihood of closed edges decides; midpoints never do, for a partial view moves them.
-    """
-    z0 = descriptions[0]
-    misfit = m.state[0] - z0.state[0] - particle.pose[2]
-    turn_map = 0
-    if z0.n == 1:
-        quarters = int(np.round(misfit / (np.pi / 2))) % 4
-    else:
-        quarters = 2 * (int(np.round(misfit / np.pi)) % 2)
-        if m.n == 1 and np.cos(2 * misfit) < 0.0:
-            # z runs along the other axis of a region that so far is a single rectangle: describe that one anew.
-            turn_map = 1
-    z = descriptions[quarters]
-    target = m
-    if turn_map:
-        turn(m, 1, turned)
-        target = turned
-        quarters = 2 * (int(np.round((turned.state[0] - z0.state[0] - particle.pose[2]) / np.pi)) % 2)
-        z = descriptions[quarters]
-    slack = SLACK + particle.cov[0, 0] + particle.cov[1, 1]
-    possible = n_closed(z)
-    best = -np.inf
-    for offset in range(1 - z.n, target.n):
-        if not is_admissible(z, target, offset):
-            continue
-        rows, violation = correspond(z, target, offset, particle.pose, slack, work, p.gate_new)
-        if rows < 0 or violation > p.gate_new:
-            continue
-        distance, log_det = innovate(z, target, rows, particle.cov, work)
-        if distance + violation > p.gate_new:
-            continue
-        score = log_likelihood(distance + violation, log_det, rows, possible, p.log_reference)
-        if score > best:
-            best = score
-            out.offset, out.distance, out.log_likelihood = offset, distance + violation, score
-    out.turn, out.turn_map, out.same_type = quarters, turn_map, z0.type == m.type
-    return best > -np.inf
-
-
-@njit
 def assign(candidates: Array, associations: Array, measured: Array, taken: Array, p: Record) -> None:
     """Give each measurement the region that explains it best, each region once, the most likely pairs first.
 
     `taken` is scratch, one number per slot, -1 before and after.
     """
     for z in range(len(measured)):
-        associations[z].slot = NEW if can_be_born(measured[z, 0]) else AMBIGUOUS
+        associations[z].slot = NEW if can_be_born(measured[z, 0], p) else AMBIGUOUS
     open_pairs = np.zeros(len(candidates), np.bool_)
     for c in range(len(candidates)):
         open_pairs[c] = candidates[c].same_type and candidates[c].distance < p.gate_associate

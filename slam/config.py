@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from slam.motion import MotionNoise
 from slam.resampling import SCHEMES
 
 GEOMETRIC_UPDATES = ("edges", "paper")
+CORRESPONDENCES = ("edges", "paper")
 
 
 @dataclass(frozen=True)
@@ -27,6 +28,13 @@ class SlamConfig:
     sensor_range
         Range of the region sensor, m. Its inverse is the reference density of an edge that a hypothesis does not
         explain.
+    tolerance
+        Distance (m) by which the end of a view and an annotated edge may be off without being wrong; None: the standard
+        deviation of measured positions. All other lengths that the filter judges by are multiples of it or shares of
+        the sensor's range, so that results do not depend on the unit of length.
+    correspondence
+        How the rectangles of a measured row find those of a mapped one: ``"edges"``, by the likelihood of closed edges
+        and joints, or ``"paper"``, by the least distance of two midpoints (Oberländer et al. 2008, section II-C).
     gate_associate, gate_new
         Squared Mahalanobis distances: below the first a measurement may be associated, above the second it is a new
         region, in between it is used for neither (Montemerlo & Thrun 2003). Wide, because particles are overconfident.
@@ -51,6 +59,8 @@ class SlamConfig:
     motion_noise: MotionNoise = field(default_factory=MotionNoise)
     measurement_noise: MeasurementNoise = field(default_factory=MeasurementNoise)
     sensor_range: float = 8.0
+    tolerance: float | None = None
+    correspondence: Literal["edges", "paper"] = "edges"
     gate_associate: float = 50.0
     gate_new: float = 200.0
     resample_below: float = 0.5
@@ -85,6 +95,17 @@ class SlamConfig:
             raise ValueError(f"geometric_update is {self.geometric_update!r}, expected {known}")
         if not (np.isfinite(self.sensor_range) and self.sensor_range > 0):
             raise ValueError(f"sensor_range is {self.sensor_range!r}, expected a length above 0 m")
+        if not (np.isfinite(self._tolerance) and self._tolerance > 0):
+            raise ValueError(
+                f"tolerance is {self.tolerance!r}, expected a length above 0 m (or None, with a "
+                f"measurement_noise.sigma_xy above 0; it is {self.measurement_noise.sigma_xy!r})"
+            )
+        if self.correspondence not in CORRESPONDENCES:
+            raise ValueError(f"correspondence is {self.correspondence!r}, expected one of {CORRESPONDENCES}")
+
+    @property
+    def _tolerance(self) -> float:
+        return self.measurement_noise.sigma_xy if self.tolerance is None else self.tolerance
 
     def parameters(self) -> Parameters:
         """Return the numbers that the kernels need."""
@@ -95,6 +116,8 @@ class SlamConfig:
         return Parameters(
             self.sensor_range,
             -float(np.log(self.sensor_range)),
+            self._tolerance,
+            self.correspondence == "paper",
             self.gate_associate,
             self.gate_new,
             logit(self.prior_type),
@@ -115,6 +138,8 @@ class Parameters(NamedTuple):
 
     sensor_range: float
     log_reference: float  # log density of an edge that is not explained, 1 / sensor range
+    tolerance: float
+    by_midpoints: bool
     gate_associate: float
     gate_new: float
     prior_type: float

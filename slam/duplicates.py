@@ -6,8 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from slam.association import CANDIDATE, compare
-from slam.edge_form import turn
+from slam.comparison import CANDIDATE, compare
 from slam.extent import area, contains, overlap, point_in_rectangle
 from slam.geometric_update import fuse_as_set
 from slam.growth import take_row
@@ -16,9 +15,10 @@ from slam.jit import Array, Record, njit
 from slam.maps import cover, drop, own, region_of
 from slam.particles import PARTICLE
 from slam.region import MAX_STATE, REGION
+from slam.turning import turn
 
-MARGIN = 0.3
-"""Centres within this distance (m) of the other region make two regions candidates for one place."""
+MARGIN = 3.0
+"""Centres within this distance, in tolerances, of the other region make two regions candidates for one place."""
 
 REFUTED = -3.0
 """Log-odds of its type below which an outdone hypothesis is dropped."""
@@ -37,7 +37,7 @@ def resolve_duplicates(
     """
     if associations.shape[1] == 0:
         return
-    work = workspace()
+    work, margin = workspace(p.tolerance), MARGIN * p.tolerance
     scratch, candidate, stand = np.zeros(5, REGION), np.zeros(1, CANDIDATE), np.zeros(1, PARTICLE)
     chosen = scan_number % associations.shape[1]
     for i in range(len(associations)):
@@ -49,12 +49,12 @@ def resolve_duplicates(
             if other == slot or maps.table[i, other] < 0:
                 continue
             a, b = region_of(maps, i, slot), region_of(maps, i, other)
-            if not share_place(a, b):
+            if not share_place(a, b, margin):
                 continue
             if a.type != b.type:
-                if are_rivals(a, b):
+                if are_rivals(a, b, margin):
                     rank(maps, i, slot, other)
-            elif b.last_seen != scan_number and are_twins(a, b):
+            elif b.last_seen != scan_number and are_twins(a, b, margin):
                 # Two regions of one scan are two regions, so only an unseen one can be the twin.
                 older, younger = (slot, other) if a.id < b.id else (other, slot)
                 kept = own(maps, i, older)
@@ -64,17 +64,17 @@ def resolve_duplicates(
                 if younger == slot:
                     break
         for j in range(n_near[i]):
-            settle_rivalry(maps, i, near[i, j])
+            settle_rivalry(maps, i, near[i, j], margin)
 
 
 @njit
-def settle_rivalry(maps: Record, particle: int, slot: int) -> None:
+def settle_rivalry(maps: Record, particle: int, slot: int, margin: float) -> None:
     """Drop a hypothesis that its rival has refuted; free it where the rival is gone or has lost its lead."""
     if maps.table[particle, slot] < 0 or region_of(maps, particle, slot).rival < 0:
         return
     m = region_of(maps, particle, slot)
     # The slot of the rival may be free or hold another region by now.
-    gone = maps.table[particle, m.rival] < 0 or not are_rivals(m, region_of(maps, particle, m.rival))
+    gone = maps.table[particle, m.rival] < 0 or not are_rivals(m, region_of(maps, particle, m.rival), margin)
     if gone or region_of(maps, particle, m.rival).type_log_odds < m.type_log_odds:
         own(maps, particle, slot).rival = -1
     elif m.type_log_odds < REFUTED:
@@ -82,34 +82,34 @@ def settle_rivalry(maps: Record, particle: int, slot: int) -> None:
 
 
 @njit
-def share_place(a: Record, b: Record) -> Any:
-    """Say whether the centre of either main rectangle lies in the other region."""
+def share_place(a: Record, b: Record, margin: float) -> Any:
+    """Say whether the centre of either main rectangle lies in the other region, give or take `margin` m."""
     dx, dy = a.anchor[0] - b.anchor[0], a.anchor[1] - b.anchor[1]
     reach = a.radius + b.radius
     if dx * dx + dy * dy > reach * reach:
         return False
     x, y = point_in_rectangle(a, a.main, 0.5, 0.5)
-    if contains(b, x, y, MARGIN):
+    if contains(b, x, y, margin):
         return True
     x, y = point_in_rectangle(b, b.main, 0.5, 0.5)
-    return contains(a, x, y, MARGIN)
+    return contains(a, x, y, margin)
 
 
 @njit
-def are_rivals(a: Record, b: Record) -> bool:
+def are_rivals(a: Record, b: Record, margin: float) -> bool:
     """Say whether two regions are hypotheses for one place: two types, alike in size, around each other."""
-    return a.type != b.type and coincide(a, b)
+    return a.type != b.type and coincide(a, b, margin)
 
 
 @njit
-def coincide(a: Record, b: Record) -> bool:
+def coincide(a: Record, b: Record, margin: float) -> bool:
     """Say whether two regions are alike in size, each around the other's centre."""
     size_a, size_b = area(a), area(b)
     if min(size_a, size_b) < 0.5 * max(size_a, size_b):
         return False
     xa, ya = point_in_rectangle(a, a.main, 0.5, 0.5)
     xb, yb = point_in_rectangle(b, b.main, 0.5, 0.5)
-    return contains(b, xa, ya, MARGIN) and contains(a, xb, yb, MARGIN)
+    return contains(b, xa, ya, margin) and contains(a, xb, yb, margin)
 
 
 @njit
@@ -125,12 +125,12 @@ def rank(maps: Record, particle: int, first: int, second: int) -> None:
 
 
 @njit
-def are_twins(a: Record, b: Record) -> bool:
+def are_twins(a: Record, b: Record, margin: float) -> bool:
     """Say whether two regions of one type take the same place, which no two real ones do.
 
     It is a question of metres, not of covariances: those leave out how far the particle drifted between its visits.
     """
-    return coincide(a, b) or overlap(a, b) > TWIN_OVERLAP * min(area(a), area(b))
+    return coincide(a, b, margin) or overlap(a, b) > TWIN_OVERLAP * min(area(a), area(b))
 
 
 @njit

@@ -1,4 +1,4 @@
-"""Conversion between the paper's parameters (Fig. 1) and edge positions, and the equivalent descriptions of a row.
+"""From the paper's parameters (Fig. 1) to edge positions.
 
 With c, s = cos phi, sin phi of a measurement in the robot's frame, its edges are lines at signed distances from the
 robot::
@@ -18,8 +18,8 @@ import numpy as np
 from slam.jit import Array, Record, njit
 from slam.region import MAX_STATE, REGION, b_index, u_index
 
-FLAT_VARIANCE = 1e4
-"""Variance (m²) of an edge about which nothing is known but a bound."""
+FLAT_VARIANCE = 1e6
+"""Variance of an edge about which nothing is known but a bound, in variances with which it is measured."""
 
 
 @njit
@@ -113,62 +113,6 @@ def bounding_radius(region: Record) -> Any:
         k = b_index(i)
         across = max(across, abs(region.state[k]), abs(region.state[k + 1]))
     return np.sqrt(along * along + across * across)
-
-
-@njit
-def turn(region: Record, quarters: int, out: Record) -> None:
-    """Write the equivalent description that is turned by `quarters` times 90 degrees.
-
-    A half turn reverses the row. A quarter turn exists for a single rectangle only; a longer row gives ``out.n = 0``.
-    The first axis turns with phi: after a quarter turn the new u edges are the old v edges, the new v edges minus the
-    old u.
-    """
-    n = region.n
-    quarters = quarters % 4
-    out.n = n
-    if quarters % 2 == 1 and n > 1:
-        out.n = 0
-        return
-    source = np.zeros(MAX_STATE, np.int64)
-    sign = np.ones(MAX_STATE)
-    size = state_size(n)
-    for i in range(size):
-        source[i] = i
-    if quarters == 2:
-        for k in range(n + 1):
-            source[u_index(k)] = u_index(n - k)
-            sign[u_index(k)] = -1.0
-        for i in range(n):
-            source[b_index(i)], source[b_index(i) + 1] = b_index(n - 1 - i) + 1, b_index(n - 1 - i)
-            sign[b_index(i)] = sign[b_index(i) + 1] = -1.0
-    elif quarters == 1:
-        source[1], source[2], source[3], source[4] = 3, 4, 2, 1
-        sign[3] = sign[4] = -1.0
-    elif quarters == 3:
-        source[1], source[2], source[3], source[4] = 4, 3, 1, 2
-        sign[1] = sign[2] = -1.0
-    out.id, out.type, out.confidence, out.radius = region.id, region.type, region.confidence, region.radius
-    out.main = n - 1 - region.main if quarters == 2 else region.main
-    out.anchor[0], out.anchor[1] = region.anchor[0], region.anchor[1]
-    for i in range(size):
-        out.state[i] = sign[i] * region.state[source[i]]
-        out.closed[i] = region.closed[source[i]]
-        for j in range(size):
-            out.cov[i, j] = sign[i] * sign[j] * region.cov[source[i], source[j]]
-    out.state[0] = region.state[0] + quarters * np.pi / 2
-
-
-@njit
-def observe(records: Array, type_numbers: Array, out: Record) -> None:
-    """Write every measurement in its four equivalent descriptions, `out` (M, 4) of `REGION`: quarter turns in order.
-
-    `type_numbers` translates the scan's types into the filter's.
-    """
-    for i in range(len(records)):
-        to_edge_form(records[i], out[i, 0])
-        out[i, 0].type = type_numbers[records[i].type]
-        for quarters in range(1, 4):
-            turn(out[i, 0], quarters, out[i, quarters])
 
 
 def edge_form(record: np.record) -> np.record:

@@ -15,8 +15,8 @@ LEAST_SHARE = 0.6
 LEAST_ANGLE = 0.2
 """Regions that fill a smaller angle (rad) may well be missed."""
 
-VIEW_MARGIN = 0.3
-"""Points nearer to the end of the view (m) do not count as seen."""
+VIEW_MARGIN = 3.0
+"""Points nearer to the end of the view, in tolerances, do not count as seen."""
 
 
 @njit
@@ -50,11 +50,11 @@ def update_existence(
             slot = near[i, j]
             m = region_of(maps, i, slot)
             dx, dy = particle.pose[0] - m.anchor[0], particle.pose[1] - m.anchor[1]
-            inside = dx * dx + dy * dy < (m.radius + 0.1) ** 2
-            if inside and not m.visited and contains(m, particle.pose[0], particle.pose[1], 0.1):
+            inside = dx * dx + dy * dy < (m.radius + p.tolerance) ** 2
+            if inside and not m.visited and contains(m, particle.pose[0], particle.pose[1], p.tolerance):
                 m = own(maps, i, slot)
                 m.visited = 1
-            if explained[slot] < 0 and len(view) > 0 and is_expected(m, particle.pose, view, p.sensor_range):
+            if explained[slot] < 0 and len(view) > 0 and is_expected(m, particle.pose, view, p):
                 m = own(maps, i, slot)
                 m.existence -= p.existence_missed
             explained[slot] = -1
@@ -63,10 +63,10 @@ def update_existence(
 
 
 @njit
-def is_expected(m: Record, pose: Array, view: Array, sensor_range: float) -> bool:
+def is_expected(m: Record, pose: Array, view: Array, p: Record) -> bool:
     """Say whether a sensor at `pose` with this view should have measured the region."""
     c, s = np.cos(pose[2]), np.sin(pose[2])
-    seen, total = 0, 0
+    seen, total, margin = 0, 0, VIEW_MARGIN * p.tolerance
     first, least, most = 0.0, 0.0, 0.0
     for i in range(m.n):
         for k in range(5):
@@ -74,11 +74,11 @@ def is_expected(m: Record, pose: Array, view: Array, sensor_range: float) -> boo
             across = 0.5 if k == 0 else 0.2 + 0.6 * (k // 3)
             x, y = point_in_rectangle(m, i, along, across)
             dx, dy = x - pose[0], y - pose[1]
-            if dx * dx + dy * dy > (0.8 * sensor_range) ** 2:
+            if dx * dx + dy * dy > (0.8 * p.sensor_range) ** 2:
                 return False
             x, y = c * dx + s * dy, -s * dx + c * dy
             total += 1
-            if is_in_view(view, x, y, VIEW_MARGIN):
+            if is_in_view(view, x, y, margin):
                 seen += 1
             elif total - seen > (1 - LEAST_SHARE) * 5 * m.n:
                 return False

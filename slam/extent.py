@@ -86,7 +86,8 @@ def probability_inside(region: Record, pose: Array, cov: Array) -> Any:
     c, s = np.cos(region.state[0]), np.sin(region.state[0])
     var_u = c * c * cov[0, 0] + 2 * c * s * cov[0, 1] + s * s * cov[1, 1]
     var_v = s * s * cov[0, 0] - 2 * c * s * cov[0, 1] + c * c * cov[1, 1]
-    scale_u, scale_v = math.sqrt(2 * var_u + 1e-12), math.sqrt(2 * var_v + 1e-12)
+    least = 1e-12 * region.radius**2
+    scale_u, scale_v = math.sqrt(2 * var_u + least), math.sqrt(2 * var_v + least)
     total = 0.0
     for i in range(region.n):
         k = b_index(i)

@@ -94,7 +94,12 @@ class RegionSLAM:
         self._scan_number += 1
         cloud = self._set
         measured, relations, near, n_near, (records, links) = look_up(
-            cloud.particles, tuple(cloud.maps), scan.records, self._type_numbers(scan.types), scan.links
+            cloud.particles,
+            tuple(cloud.maps),
+            scan.records,
+            self._type_numbers(scan.types),
+            scan.links,
+            float(self.config.sensor_range),
         )
         cloud.make_room(slots=len(scan), records=records, links=links)
         self._ess = update_particles(

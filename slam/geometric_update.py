@@ -11,14 +11,15 @@ from __future__ import annotations
 import numpy as np
 
 from slam.association import NEW
-from slam.edge_form import bounding_radius, state_size, turn
-from slam.growth import forget_edge, grow, keep_order, outward_of, take_row
-from slam.innovation import SLACK, condition, correspond, innovate, workspace
+from slam.edge_form import FLAT_VARIANCE, bounding_radius, state_size
+from slam.growth import LEAST_SIZE, forget_edge, grow, keep_order, outward_of, take_row
+from slam.innovation import condition, correspond, innovate, workspace
 from slam.jit import Array, Record, njit
 from slam.maps import add, cover, new_slot, own
 from slam.measurement import MAX_MEASUREMENTS
 from slam.paper_update import fuse_parameters
 from slam.region import b_index, is_u, u_index
+from slam.turning import turn
 
 START_SIGMAS = 1.0
 """An open edge is first put at the measured edge minus this many standard deviations."""
@@ -49,7 +50,7 @@ def update_geometry(
     p: Record,
 ) -> None:
     """Update every associated region and add the new ones; a new region's slot goes into `associations` and `near`."""
-    work = workspace()
+    work = workspace(p.tolerance)
     turned = np.zeros_like(measured[:1, 0])
     born = np.full(len(measured), -1, np.int64)  # the slot of a new region is the same for all particles
     for i in range(len(particles)):
@@ -107,8 +108,8 @@ def start(z: Record, pose: Array, m: Record, p: Record) -> None:
     for k in range(1, size):
         if not m.closed[k] and not p.paper_update:
             m.state[k] -= outward_of(m, k) * START_SIGMAS * np.sqrt(m.cov[k, k])
-            forget_edge(m, k)
-    keep_order(m)
+            forget_edge(m, k, FLAT_VARIANCE * m.cov[k, k])
+    keep_order(m, LEAST_SIZE * p.tolerance)
     m.radius = bounding_radius(m)
     m.type, m.type_log_odds = z.type, p.prior_type + z.confidence - 0.5
     m.existence, m.sightings, m.visited = 0.0, 1, 0
@@ -128,8 +129,8 @@ def fuse_as_set(z: Record, m: Record, offset: int, pose: Array, work: Record, p:
 def fuse(z: Record, m: Record, offset: int, pose: Array, work: Record) -> None:
     """Update region m with row z, seen from a certain pose with rectangle j of z being rectangle j + offset of m."""
     offset = grow(z, m, offset)
-    settle_open_edges(z, m, offset, pose)
-    rows, _ = correspond(z, m, offset, pose, SLACK, work, np.inf)
+    settle_open_edges(z, m, offset, pose, work.tolerance**2)
+    rows, _ = correspond(z, m, offset, pose, work.tolerance**2, work, np.inf)
     straighten(z, rows, work)
     innovate(z, m, rows, work.certain, work)
     size = state_size(m.n)
@@ -138,7 +139,7 @@ def fuse(z: Record, m: Record, offset: int, pose: Array, work: Record) -> None:
             work.gain[r, b] = m.cov[work.im[r], b] + work.lever[r] * m.cov[0, b]
     condition(m.state, m.cov, size, rows, work)
     m.state[0] = (m.state[0] + np.pi) % (2 * np.pi) - np.pi
-    keep_order(m)
+    keep_order(m, LEAST_SIZE * work.tolerance)
     m.radius = bounding_radius(m)
 
 
@@ -163,8 +164,11 @@ def straighten(z: Record, rows: int, work: Record) -> None:
 
 
 @njit
-def settle_open_edges(z: Record, m: Record, offset: int, pose: Array) -> None:
-    """Push the open edges of m out to z, and open a flat prior for those that z has closed."""
+def settle_open_edges(z: Record, m: Record, offset: int, pose: Array, slack: float) -> None:
+    """Push the open edges of m out to z, and open a flat prior for those that z has closed.
+
+    `slack` is a variance (m²) granted to the ends of views.
+    """
     c, s = np.cos(m.state[0]), np.sin(m.state[0])
     dx, dy = m.anchor[0] - pose[0], m.anchor[1] - pose[1]
     pu, pv = c * dx + s * dy, -s * dx + c * dy
@@ -172,25 +176,25 @@ def settle_open_edges(z: Record, m: Record, offset: int, pose: Array) -> None:
         if 0 < k < m.n and m.closed[u_index(k)]:
             continue  # a joint, known to be one
         outward = 1 if k == m.n else -1
-        settle(z, m, u_index(k - offset), u_index(k), pu, outward)
+        settle(z, m, u_index(k - offset), u_index(k), pu, outward, slack)
     for k in range(max(0, offset), min(m.n, z.n + offset)):
         for top in range(2):
-            settle(z, m, b_index(k - offset) + top, b_index(k) + top, pv, 2 * top - 1)
+            settle(z, m, b_index(k - offset) + top, b_index(k) + top, pv, 2 * top - 1, slack)
 
 
 @njit
-def settle(z: Record, m: Record, i: int, j: int, shift: float, outward: int) -> None:
+def settle(z: Record, m: Record, i: int, j: int, shift: float, outward: int, slack: float) -> None:
     """Settle one edge: j of m, i of z."""
     measured = z.state[i] - shift
     if m.closed[j]:
-        limit = CONTRARY_SIGMAS * np.sqrt(z.cov[i, i] + m.cov[j, j] + SLACK)
+        limit = CONTRARY_SIGMAS * np.sqrt(z.cov[i, i] + m.cov[j, j] + slack)
         is_beyond = not z.closed[i] and outward * (measured - m.state[j]) > limit
         m.contrary[j] = m.contrary[j] + 1 if is_beyond else max(m.contrary[j] - 1, 0)
         if m.contrary[j] < REOPEN_AFTER:
             return
-        forget_edge(m, j)
+        m.closed[j] = 0
     if z.closed[i]:
-        forget_edge(m, j)
+        forget_edge(m, j, FLAT_VARIANCE * z.cov[i, i])
         m.closed[j] = 1
         m.state[j] = measured
     else:
@@ -198,4 +202,4 @@ def settle(z: Record, m: Record, i: int, j: int, shift: float, outward: int) -> 
         bound = measured - outward * sigmas * np.sqrt(z.cov[i, i])
         if outward * (bound - m.state[j]) > 0.0:
             m.state[j] = bound
-            forget_edge(m, j)
+            forget_edge(m, j, FLAT_VARIANCE * z.cov[i, i] if z.cov[i, i] > 0.0 else m.cov[j, j])

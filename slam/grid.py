@@ -14,7 +14,7 @@ import numpy as np
 from slam.jit import Array, Record, njit
 
 CELL = 8.0
-"""Width of the smallest cells, m; it decides on speed alone."""
+"""Width of the smallest cells, in the unit of length; it decides on speed alone."""
 
 SLOT = np.dtype(
     (
@@ -77,15 +77,20 @@ def search(slots: Array, buckets: Array, n_layers: int, x: float, y: float, radi
     n, width = 0, CELL
     for layer in range(n_layers):
         reach = radius + width
+        if (2 * reach / width) ** 2 > len(buckets):  # more cells than buckets: every bucket once
+            for slot in buckets:
+                while slot >= 0:
+                    if slots[slot].layer == layer and meets(slots[slot], x, y, radius):
+                        found, n = append(found, n, slot)
+                    slot = slots[slot].next
+            width *= 2
+            continue
         for column in range(int(np.floor((x - reach) / width)), int(np.floor((x + reach) / width)) + 1):
             for row in range(int(np.floor((y - reach) / width)), int(np.floor((y + reach) / width)) + 1):
                 slot = buckets[bucket_of(layer, column, row, len(buckets))]
                 while slot >= 0:
                     if touches(slots[slot], layer, column, row, x, y, radius):
-                        if n == len(found):
-                            found = np.concatenate((found, np.empty(n, np.int64)))
-                        found[n] = slot
-                        n += 1
+                        found, n = append(found, n, slot)
                     slot = slots[slot].next
         width *= 2
     return np.sort(found[:n])
@@ -96,5 +101,20 @@ def touches(place: Record, layer: int, column: int, row: int, x: float, y: float
     """Say whether a circle lies in a cell (others share its bucket) and touches the circle about (x, y)."""
     if place.layer != layer or place.column != column or place.row != row:
         return False
+    return meets(place, x, y, radius)
+
+
+@njit
+def meets(place: Record, x: float, y: float, radius: float) -> bool:
+    """Say whether a slot's circle touches the circle about (x, y)."""
     dx, dy, reach = place.x - x, place.y - y, place.radius + radius
     return dx * dx + dy * dy <= reach * reach
+
+
+@njit
+def append(array: Array, n: int, value: int) -> Any:
+    """Put a value behind the first n of an array, which grows where it is full; return it and the new number."""
+    if n == len(array):
+        array = np.concatenate((array, np.empty(n, np.int64)))
+    array[n] = value
+    return array, n + 1

@@ -10,6 +10,9 @@ from slam.edge_form import FLAT_VARIANCE
 from slam.jit import Record, njit
 from slam.region import b_index, u_index
 
+LEAST_SIZE = 0.1
+"""Least width or height of a rectangle, in tolerances."""
+
 
 @njit
 def take_row(source: Record, m: Record) -> None:
@@ -61,7 +64,7 @@ def shift_right(m: Record) -> None:
 def bare_rectangle(m: Record, i: int, end: Record, joint: Record) -> None:
     """Make rectangle i one of which nothing is known but the joint: bounds that any view pushes out."""
     for k in (end, b_index(i), b_index(i) + 1):
-        forget_edge(m, k)
+        forget_edge(m, k, FLAT_VARIANCE * m.cov[joint, joint])
     m.state[end] = -np.inf if end > joint else np.inf
     m.state[b_index(i)], m.state[b_index(i) + 1] = np.inf, -np.inf
 
@@ -80,18 +83,17 @@ def move_state(m: Record, source: Record, target: int) -> None:
 
 
 @njit
-def forget_edge(m: Record, k: int) -> None:
-    """Make an edge open and independent of everything else, with a flat variance."""
+def forget_edge(m: Record, k: int, variance: float) -> None:
+    """Make an edge open and independent of everything else, with a variance that should be flat."""
     m.closed[k] = m.contrary[k] = 0
     for a in range(len(m.state)):
         m.cov[k, a] = m.cov[a, k] = 0.0
-    m.cov[k, k] = FLAT_VARIANCE
+    m.cov[k, k] = variance
 
 
 @njit
-def keep_order(m: Record) -> None:
-    """Keep edges from crossing: open ones give way; closed ones do so too, as noise can swap those of a thin region."""
-    least = 0.01
+def keep_order(m: Record, least: float) -> None:
+    """Keep edges from crossing, `least` m apart: open ones give way, and closed ones, as noise can swap them."""
     for k in range(m.n):
         i, j = u_index(k), u_index(k + 1)
         if m.state[j] - m.state[i] < least:

@@ -22,15 +22,15 @@ from slam.jit import Array, Record, njit
 from slam.measurement import MEASUREMENT
 from slam.region import MAX_STATE, REGION, b_index, u_index
 
-SLACK = 0.1**2
-"""Variance (m²) granted to a bound: views end at rays, annotated regions at walls."""
+DRIFT = 3.0
+"""Distance, in tolerances, by which a place seen again may be displaced from its region."""
 
-DRIFT = 0.3
-"""Distance (m) by which a place seen again may be displaced from its region."""
+LOG_REFERENCE_HEADING = -np.log(2 * np.pi)
+"""Log density of a heading that is not explained, per rad."""
 
 
 class Workspace(NamedTuple):
-    """Scratch arrays of one comparison."""
+    """Scratch arrays of one comparison, and how far (m) a bound may be off."""
 
     iz: np.ndarray  # (rows,) index in z
     im: np.ndarray  # (rows,) index in m
@@ -42,11 +42,12 @@ class Workspace(NamedTuple):
     certain: np.ndarray  # (3, 3) covariance of a drawn pose: zero
     regions: np.ndarray  # (2,) of REGION
     figures: np.ndarray  # (2,) of MEASUREMENT
+    tolerance: float  # m
 
 
 @njit
-def workspace() -> Any:
-    """Return fresh scratch arrays."""
+def workspace(tolerance: float = 0.1) -> Any:
+    """Return fresh scratch arrays for a filter of that tolerance, m; by default that of the default settings."""
     n = MAX_STATE
     return Workspace(
         np.zeros(n, np.int64),
@@ -59,6 +60,7 @@ def workspace() -> Any:
         np.zeros((3, 3)),
         np.zeros(2, REGION),
         np.zeros(2, MEASUREMENT),
+        tolerance,
     )
 
 
@@ -99,7 +101,7 @@ def correspond(z: Record, m: Record, offset: int, pose: Array, slack: float, wor
     work.residual[0] = wrap(z.state[0] + pose[2] - phi)
     work.lever[0] = 0.0
     work.normal[0, 0], work.normal[0, 1], work.normal[0, 2] = 0.0, 0.0, -1.0
-    rows, violation = 1, 0.0
+    rows, violation, drift = 1, 0.0, DRIFT * work.tolerance
     first, last = max(0, offset), min(m.n, z.n + offset)
     for k in range(first, last + 1):
         i, j = u_index(k - offset), u_index(k)
@@ -126,24 +128,25 @@ def correspond(z: Record, m: Record, offset: int, pose: Array, slack: float, wor
                 rows += 1
             else:
                 violation += _beyond(z, m, i, j, r, 2 * top - 1, slack)
-        violation += _apart(z, m, u_index(k - offset), u_index(k - offset + 1), u_index(k), u_index(k + 1), pu, slack)
+        i, j = u_index(k - offset), u_index(k)
+        violation += _apart(z, m, i, u_index(k - offset + 1), j, u_index(k + 1), pu, slack, drift)
         i, j = b_index(k - offset), b_index(k)
-        violation += _apart(z, m, i, i + 1, j, j + 1, pv, slack)
+        violation += _apart(z, m, i, i + 1, j, j + 1, pv, slack, drift)
     return rows, violation
 
 
 @njit
-def _apart(z: Record, m: Record, i0: int, i1: int, j0: int, j1: int, shift: float, slack: float) -> float:
+def _apart(z: Record, m: Record, i0: int, i1: int, j0: int, j1: int, shift: float, slack: float, drift: float) -> float:
     """Return what it costs that two rectangles hardly overlap along an axis: two glimpses in one line are two regions.
 
     A gap costs its squared, normalised width. Without a common closed edge to place them, half of the smaller extent
-    must overlap (give or take DRIFT), or offices side by side, each with its far walls unseen, would grow into one.
+    must overlap (give or take `drift`), or offices side by side, each with its far walls unseen, would grow into one.
     """
     z0, z1 = z.state[i0], z.state[i1]
     m0, m1 = m.state[j0] + shift, m.state[j1] + shift
     overlap = min(z1, m1) - max(z0, m0)
     placed = (z.closed[i0] and m.closed[j0]) or (z.closed[i1] and m.closed[j1])
-    if not placed and overlap < 0.5 * min(z1 - z0, m1 - m0) - DRIFT:
+    if not placed and overlap < 0.5 * min(z1 - z0, m1 - m0) - drift:
         return np.inf
     return overlap * overlap / (2 * slack) if overlap < 0.0 else 0.0
 
@@ -206,12 +209,13 @@ def whiten(rows: int, work: Record) -> Any:
     """Replace S by its Cholesky factor and the residual r by y = L^-1 r; return (y . y, log det S)."""
     distance, determinant = 0.0, 1.0
     for i in range(rows):
+        least = 1e-12 * work.cov[i, i]
         for j in range(i + 1):
             total = work.cov[i, j]
             for k in range(j):
                 total -= work.cov[i, k] * work.cov[j, k]
             if i == j:
-                work.cov[i, i] = np.sqrt(max(total, 1e-12))
+                work.cov[i, i] = np.sqrt(max(total, least))
             else:
                 work.cov[i, j] = total / work.cov[j, j]
         determinant *= work.cov[i, i]
@@ -254,6 +258,28 @@ def n_closed(region: Record) -> Any:
 
 
 @njit
-def log_likelihood(distance: float, log_det: float, rows: int, possible: int, log_reference: float) -> Any:
-    """Return log N(r; 0, S), with the reference density for each row that the hypothesis leaves unexplained."""
-    return -0.5 * (distance + log_det + rows * np.log(2 * np.pi)) + (possible - rows) * log_reference
+def log_likelihood(distance: float, log_det: float, rows: int, log_reference: float) -> Any:
+    """Return log N(r; 0, S) over the reference density of the same rows: the heading and `rows` - 1 edges.
+
+    So hypotheses that explain more edges or fewer compare alike, in every unit of length, and 0 is to explain nothing.
+    """
+    density = -0.5 * (distance + log_det + rows * np.log(2 * np.pi))
+    return density - LOG_REFERENCE_HEADING - (rows - 1) * log_reference
+
+
+@njit
+def midpoint_distance(z: Record, m: Record, offset: int, pose: Array) -> float:
+    """Return the least distance (m) of the midpoints of two rectangles that correspond: the paper's own criterion.
+
+    Row z is taken as turned about the robot into the axes of m, eq. (21).
+    """
+    c, s = np.cos(m.state[0]), np.sin(m.state[0])
+    dx, dy = m.anchor[0] - pose[0], m.anchor[1] - pose[1]
+    pu, pv = c * dx + s * dy, -s * dx + c * dy
+    least = np.inf
+    for k in range(max(0, offset), min(m.n, z.n + offset)):
+        u0, u1, b = u_index(k - offset), u_index(k - offset + 1), b_index(k - offset)
+        du = (z.state[u0] + z.state[u1] - m.state[u_index(k)] - m.state[u_index(k + 1)]) / 2 - pu
+        dv = (z.state[b] + z.state[b + 1] - m.state[b_index(k)] - m.state[b_index(k) + 1]) / 2 - pv
+        least = min(least, du * du + dv * dv)
+    return np.sqrt(least)

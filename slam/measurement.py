@@ -52,25 +52,28 @@ MAX_MEASUREMENTS = 4096
 
 @dataclass(frozen=True)
 class MeasurementNoise:
-    """Standard deviations of a region sensor; sizes below 1 m are measured in proportion.
+    """Standard deviations of a region sensor; small sizes are measured in proportion.
 
     Parameters
     ----------
     sigma_xy
         Of midpoints and lateral displacements, m.
     sigma_wh
-        Of sizes of 1 m and above, m.
+        Of sizes of `full_size` and above, m.
     sigma_phi
         Of the heading, rad.
+    full_size
+        Size below which the standard deviation shrinks with the size, m.
     """
 
     sigma_xy: float = 0.10
     sigma_wh: float = 0.15
     sigma_phi: float = 0.03
+    full_size: float = 1.0
 
     def variance_of_size(self, size: float) -> float:
         """Return the variance (m²) with which a width or height of `size` m is measured."""
-        return (self.sigma_wh * min(1.0, size)) ** 2
+        return (self.sigma_wh * min(1.0, size / self.full_size)) ** 2
 
 
 @dataclass(frozen=True, eq=False)

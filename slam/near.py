@@ -10,21 +10,22 @@ from slam.grid import search
 from slam.jit import Array, Record, njit
 from slam.maps import LAYERS
 
-LEEWAY = 2.0
-"""Regions this far (m) beyond the farthest measurement are near, too."""
+LEEWAY = 1 / 4
+"""Regions this far beyond the farthest measurement, in ranges of the sensor, are near, too."""
 
 
 @njit
-def find_near(particles: Array, maps: Record, measured: Array) -> Any:
+def find_near(particles: Array, maps: Record, measured: Array, sensor_range: float) -> Any:
     """List, for every particle, the slots of its regions that the scan can touch.
 
     Returns the slots (P, K + M), ascending, with room for as many new regions as there are measurements, and their
     numbers (P,).
     """
     n, m = len(particles), len(measured)
-    reach = LEEWAY
+    leeway = LEEWAY * sensor_range
+    reach = leeway
     for z in range(m):
-        reach = max(reach, LEEWAY + measured[z, 0].radius)
+        reach = max(reach, leeway + measured[z, 0].radius)
     x, y = 0.0, 0.0
     for i in range(n):
         x, y = x + particles[i].pose[0] / n, y + particles[i].pose[1] / n

@@ -11,8 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from slam.edge_form import state_size
-from slam.innovation import innovate, innovation_covariance, n_closed, whiten
+from slam.innovation import innovate, innovation_covariance, whiten
 from slam.jit import Array, Record, njit
 from slam.region import is_u
 
@@ -27,20 +26,6 @@ def innovate_as_set(z: Record, m: Record, rows: int, pose_cov: Array, work: Reco
     else:
         distance, log_det = innovate(z, m, rows, pose_cov, work)
     return rows, distance, log_det
-
-
-@njit
-def n_rows(z: Record, p: Record) -> Any:
-    """Return the number of rows that a measurement could give at most in the chosen model."""
-    if not p.paper_update:
-        return n_closed(z)
-    along, across = 0, 0
-    for k in range(1, state_size(z.n)):
-        if is_u(k):
-            along = max(along, z.closed[k])
-        else:
-            across = max(across, z.closed[k])
-    return 1 + along + across
 
 
 @njit

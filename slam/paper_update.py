@@ -18,7 +18,7 @@ import numpy as np
 
 from slam.edge_form import bounding_radius, to_edge_form
 from slam.expansion import add_rectangles, close_edges, expand, place
-from slam.growth import keep_order, take_row
+from slam.growth import LEAST_SIZE, keep_order, take_row
 from slam.innovation import wrap
 from slam.jit import Array, Record, njit
 from slam.parameters import to_parameters
@@ -41,7 +41,7 @@ def fuse_parameters(z: Record, m: Record, offset: int, pose: Array, work: Record
         x, y = m.anchor[0], m.anchor[1]
         take_row(seen, m)
         to_parameters(m, work.figures[0])
-        write(work.figures[0], x, y, m)
+        write(work.figures[0], x, y, m, LEAST_SIZE * work.tolerance)
         combine(other, m, -offset, work)
     else:
         combine(seen, m, offset, work)
@@ -68,7 +68,7 @@ def combine(z: Record, m: Record, offset: int, work: Record) -> None:
     gain = ours.var_phi / (ours.var_phi + theirs.var_phi)  # (4)
     ours.phi = wrap(ours.phi + gain * wrap(theirs.phi - ours.phi))  # (5)
     ours.var_phi *= 1.0 - gain  # (6)
-    write(ours, m.anchor[0], m.anchor[1], m)
+    write(ours, m.anchor[0], m.anchor[1], m, LEAST_SIZE * work.tolerance)
 
 
 @njit
@@ -80,7 +80,7 @@ def _expand(a: Record, b: Record, offset: int, exact: bool, pushed: Array, work:
     to_parameters(a, after)
     after.cov_xy[:, :], after.cov_wh[:, :] = before.cov_xy, before.cov_wh
     after.sub_cov_wh[:, :, :], after.sub_var_y[:] = before.sub_cov_wh, before.sub_var_y
-    write(after, a.anchor[0], a.anchor[1], a)
+    write(after, a.anchor[0], a.anchor[1], a, LEAST_SIZE * work.tolerance)
 
 
 @njit
@@ -195,8 +195,8 @@ def update_block(mean: Array, cov: Array, measured: Array, noise: Array, availab
 
 
 @njit
-def write(fig: Record, x: float, y: float, m: Record) -> None:
-    """Write parameters into a region about its anchor (x, y), with the block-diagonal covariance that they have."""
+def write(fig: Record, x: float, y: float, m: Record, least: float) -> None:
+    """Write parameters into a region about its anchor (x, y), sizes of at least `least` m, blocks independent."""
     kept = m.type
     confidence = m.confidence
     fig.x -= x
@@ -205,5 +205,5 @@ def write(fig: Record, x: float, y: float, m: Record) -> None:
     to_edge_form(fig, m)
     m.type, m.confidence = kept, confidence
     m.anchor[0], m.anchor[1] = x, y
-    keep_order(m)
+    keep_order(m, least)
     m.radius = bounding_radius(m)

@@ -9,14 +9,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from slam.edge_form import turn
-from slam.innovation import SLACK, condition, correspond, log_likelihood, workspace, wrap
+from slam.innovation import condition, correspond, log_likelihood, workspace, wrap
 from slam.jit import Array, Record, njit
 from slam.maps import region_of
-from slam.paper_innovation import innovate_as_set, n_rows
-
-LOG_REFERENCE_HEADING = -np.log(2 * np.pi)
-"""Log density of a heading that is not explained, per rad: free of the unit of length, as every heading's is."""
+from slam.paper_innovation import innovate_as_set
+from slam.turning import turn
 
 
 @njit
@@ -59,24 +56,24 @@ def predict(
 def propose(particles: Array, maps: Record, measured: Array, associations: Array, p: Record) -> None:
     """Condition every particle's motion on its associated measurements and weigh it.
 
-    A measurement without region counts with the reference density, so that particles that explain more weigh more.
+    What a measurement says counts relative to a reference density, and one without region counts nothing, so that
+    particles that explain more weigh more.
     """
-    work = workspace()
+    work = workspace(p.tolerance)
     turned = np.zeros_like(measured[:1, 0])
     for i in range(len(particles)):
         particle = particles[i]
         for j in range(len(measured)):
             a = associations[i, j]
             if a.slot < 0:
-                particle.log_weight += (n_rows(measured[j, 0], p) - 1) * p.log_reference + LOG_REFERENCE_HEADING
                 continue
             z, m = measured[j, a.turn], region_of(maps, i, a.slot)
             if a.turn_map:
                 turn(m, 1, turned[0])
                 m = turned[0]
-            rows, _ = correspond(z, m, a.offset, particle.pose, SLACK, work, np.inf)
+            rows, _ = correspond(z, m, a.offset, particle.pose, work.tolerance**2, work, np.inf)
             rows, distance, log_det = innovate_as_set(z, m, rows, particle.cov, work, p)
-            particle.log_weight += log_likelihood(distance, log_det, rows, n_rows(z, p), p.log_reference)
+            particle.log_weight += log_likelihood(distance, log_det, rows, p.log_reference)
             for r in range(rows):
                 for b in range(3):
                     total = 0.0

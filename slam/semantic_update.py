@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from slam.edge_form import turn
 from slam.extent import area
 from slam.jit import Array, Record, njit
 from slam.maps import own, region_of
 from slam.region import b_index, u_index
+from slam.turning import turn
 
 LIMIT = 10.0
 """Log-odds are clamped to ±LIMIT, so that a belief can always be revised."""

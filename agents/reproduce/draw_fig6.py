@@ -72,7 +72,7 @@ def _draw_path(axes: Any, course: Course) -> None:
     axes.set_ylim(y0 - 0.5, y1 + 0.5)
     plain_axes(axes)
     axes.set_title(
-        f"True and estimated path of the median run (seed {course.seed}) on the floor of {x1 - x0:.0f} × {y1 - y0:.0f} m",
+        f"True and estimated path, median run (seed {course.seed}), floor of {x1 - x0:.0f} × {y1 - y0:.0f} m",
         fontsize=11,
         loc="left",
         color=INK,

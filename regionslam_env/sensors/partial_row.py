@@ -105,7 +105,7 @@ def write_part(
     t: Floats,
     states: Ints,
     axis: tuple[float, float],
-    told: tuple[float, float, float],
+    told: tuple[float, float, float, float],
     gain: float,
     draws: Floats,
 ) -> None:
@@ -122,13 +122,13 @@ def write_part(
     axis
         Its first axis in the sensor's frame.
     told
-        Standard deviations of positions, of sizes from 1 m on, and of phi.
+        Standard deviations of positions, of sizes, and of phi; the size (m) from which on that of sizes holds.
     gain
         What the simulated standard deviations are over the told ones.
     draws
         Standard normal numbers, shape (DRAWS,).
     """
-    sigma_xy, sigma_wh, sigma_phi = told
+    sigma_xy, sigma_wh, sigma_phi, full_size = told
     record.n, record.main = count, main
     mid_u, mid_v = (u[main] + u[main + 1]) / 2, (b[main] + t[main]) / 2
     record.x = axis[0] * mid_u - axis[1] * mid_v + gain * sigma_xy * draws[0]
@@ -137,7 +137,8 @@ def write_part(
     record.cov_xy[0, 1] = record.cov_xy[1, 0] = 0.0
     record.cov_wh[0, 1] = record.cov_wh[1, 0] = 0.0
     record.var_phi = sigma_phi * sigma_phi
-    sigma_w, sigma_h = _sigma(u[main + 1] - u[main], sigma_wh), _sigma(t[main] - b[main], sigma_wh)
+    sigma_w = _sigma(u[main + 1] - u[main], sigma_wh, full_size)
+    sigma_h = _sigma(t[main] - b[main], sigma_wh, full_size)
     record.w = _noisy_size(u[main + 1] - u[main], gain * sigma_w * draws[2])
     record.h = _noisy_size(t[main] - b[main], gain * sigma_h * draws[3])
     record.cov_wh[0, 0], record.cov_wh[1, 1] = sigma_w * sigma_w, sigma_h * sigma_h
@@ -154,7 +155,7 @@ def write_part(
         if not here:
             continue
         w, h, k = u[i + 1] - u[i], t[i] - b[i], 5 + 3 * side
-        sigma_w, sigma_h = _sigma(w, sigma_wh), _sigma(h, sigma_wh)
+        sigma_w, sigma_h = _sigma(w, sigma_wh, full_size), _sigma(h, sigma_wh, full_size)
         record.sub_w[side] = _noisy_size(w, gain * sigma_w * draws[k])
         record.sub_h[side] = _noisy_size(h, gain * sigma_h * draws[k + 1])
         record.sub_y[side] = (b[i] + t[i]) / 2 - mid_v + gain * sigma_xy * draws[k + 2]
@@ -165,9 +166,9 @@ def write_part(
 
 
 @njit
-def _sigma(size: float, sigma: float) -> float:
-    """Return the told standard deviation of a size: in proportion below 1 m (`MeasurementNoise.variance_of_size`)."""
-    return sigma * min(1.0, size)
+def _sigma(size: float, sigma: float, full_size: float) -> float:
+    """Return the told standard deviation of a size: in proportion if small (`MeasurementNoise.variance_of_size`)."""
+    return sigma * min(1.0, size / full_size)
 
 
 @njit

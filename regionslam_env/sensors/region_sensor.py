@@ -75,7 +75,7 @@ class RegionSensor:
             ray_directions(self._n_rays),
             in_view.astype(np.float64),
             (config.range, config.edge_tolerance, config.closed_length),
-            (noise.regions.sigma_xy, noise.regions.sigma_wh, noise.regions.sigma_phi),
+            (noise.regions.sigma_xy, noise.regions.sigma_wh, noise.regions.sigma_phi, noise.regions.full_size),
             math.sqrt(noise.simulated_factor),
             config.confidence,
             starts,
@@ -194,7 +194,7 @@ def scan_regions(
     directions: Floats,
     ranges: Floats,
     limits: tuple[float, float, float],
-    told: tuple[float, float, float],
+    told: tuple[float, float, float, float],
     gain: float,
     confidence: float,
     normals: Floats,
@@ -214,7 +214,7 @@ def scan_regions(
     limits
         Range of the sensor, tolerance between wall and edge, and length of an edge that is enough, m.
     told, gain
-        Told standard deviations of position, size and heading; simulated over told ones.
+        Told standard deviations of position, size and heading, and from which size on; simulated over told ones.
     confidence
         Stated probability of the type.
     normals

@@ -18,10 +18,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from slam.edge_form import observe
 from slam.region import MAX_STATE, REGION, b_index, u_index
 from slam.rows import MAX_RECTANGLES, Floats, Row
 from slam.se2 import wrap_angles
+from slam.turning import observe
 
 Ints = NDArray[np.int64]
 

@@ -7,13 +7,15 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from slam.association import ASSOCIATION, CANDIDATE, associate
+from slam.association import ASSOCIATION, associate
+from slam.comparison import CANDIDATE
 from slam.config import Parameters, SlamConfig
-from slam.edge_form import FLAT_VARIANCE, bounding_radius, observe
+from slam.edge_form import bounding_radius
 from slam.maps import FREE_RECORDS, USED_SLOTS, Maps, cover
 from slam.measurement import RegionMeasurement, Scan
 from slam.particles import PARTICLE, empty_maps
 from slam.region import REGION, EdgeState, Subrectangle
+from slam.turning import observe
 from tests.slam.naive import random_covariance
 
 OPEN, CLOSED = EdgeState.OPEN, EdgeState.CLOSED
@@ -47,7 +49,7 @@ def mapped(
     for k in open_edges:
         m.closed[k] = 0
         m.cov[k, :] = m.cov[:, k] = 0.0
-        m.cov[k, k] = FLAT_VARIANCE
+        m.cov[k, k] = 1e4
     m.radius = bounding_radius(m)
     m.first_link = m.rival = -1
     m.sightings = 1

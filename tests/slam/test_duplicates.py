@@ -141,12 +141,12 @@ def test_a_desk_is_no_rival_of_its_office() -> None:
     regions = hypotheses(2.0, 1.0)
     regions[0, 1] = mapped([0, -0.8, 0.8, -0.4, 0.4])
     regions[0, 1].type = 1
-    assert not are_rivals(regions[0, 0], regions[0, 1])
+    assert not are_rivals(regions[0, 0], regions[0, 1], 0.3)
     resolve(regions, 0)
     assert regions["rival"][0, :2].tolist() == [-1, -1]
 
 
 def test_sharing_a_place() -> None:
-    assert share_place(mapped(ROOM), mapped(ROOM, (1.5, 0)))
-    assert not share_place(mapped(ROOM), mapped(ROOM, (2.5, 0)))
-    assert share_place(mapped([0, -10, 10, -1, 1]), mapped(ROOM, (8, 0)))  # one centre suffices
+    assert share_place(mapped(ROOM), mapped(ROOM, (1.5, 0)), 0.3)
+    assert not share_place(mapped(ROOM), mapped(ROOM, (2.5, 0)), 0.3)
+    assert share_place(mapped([0, -10, 10, -1, 1]), mapped(ROOM, (8, 0)), 0.3)  # one centre suffices

@@ -1,14 +1,11 @@
 from __future__ import annotations
 
-import dataclasses
-import math
-
 import numpy as np
 import pytest
 
-from slam.edge_form import bounding_radius, edge_form, state_size, turn
+from slam.edge_form import bounding_radius, edge_form, state_size
 from slam.measurement import RegionMeasurement, Scan
-from slam.region import REGION, Subrectangle
+from slam.region import Subrectangle
 from tests.slam import naive
 from tests.slam.drawn import CLOSED, OPEN, mapped, random_measurement, random_state
 
@@ -59,92 +56,6 @@ def test_edge_states_keep_their_place() -> None:
     assert m.main == 1
     one = edge_form(Scan([RegionMeasurement("office", 0, 0, 2, 2, l=OPEN, t=OPEN)]).records[0])
     assert one.closed[:5].tolist() == [1, 0, 1, 1, 0]
-
-
-def edge_states(m: np.record) -> set[tuple[float, ...]]:
-    """Every line of a row, as a sorted pair of its end points in the plane, with its state."""
-    boxes = naive.corners(m.state[: state_size(m.n)], m.anchor)
-    out = set()
-    for i in range(m.n):
-        b = (3, 6, 9)[i]
-        u = (1, 2, 5, 8)[i], (1, 2, 5, 8)[i + 1]
-        for k, place in enumerate((b, u[1], b + 1, u[0])):
-            ends = sorted([tuple(np.round(boxes[i][k], 9) + 0.0), tuple(np.round(boxes[i][(k + 1) % 4], 9) + 0.0)])
-            out.add((*ends[0], *ends[1], int(m.closed[place])))
-    return out
-
-
-def turned(m: np.record, quarters: int) -> np.record:
-    out = np.zeros(1, REGION)[0]
-    turn(m, quarters, out)
-    return out
-
-
-@pytest.mark.parametrize(("n", "quarters"), [(1, 1), (1, 2), (1, 3), (2, 2), (3, 2)])
-def test_a_turned_description_is_the_same_place(n: int, quarters: int) -> None:
-    rng = np.random.default_rng(n + quarters)
-    m = mapped(random_state(rng, n), (1.0, -2.0))
-    outer = [1, (2, 5, 8)[n - 1], *range(3, 5), *([6, 7] if n > 1 else []), *([9, 10] if n > 2 else [])]
-    m.closed[rng.choice(outer, len(outer) // 2, replace=False)] = 0
-    other = turned(m, quarters)
-    assert edge_states(other) == edge_states(m)
-    assert math.isclose(
-        math.remainder(other.state[0] - m.state[0] - quarters * math.pi / 2, 2 * math.pi), 0, abs_tol=1e-12
-    )
-    main = naive.corners(m.state[: state_size(n)], m.anchor)[m.main].mean(axis=0)
-    np.testing.assert_allclose(naive.corners(other.state[: state_size(n)], m.anchor)[other.main].mean(axis=0), main)
-
-
-@pytest.mark.parametrize("n", [1, 2, 3])
-def test_turning_back_restores_everything(n: int) -> None:
-    rng = np.random.default_rng(n)
-    size = state_size(n)
-    m = mapped(random_state(rng, n), (1.0, -2.0), naive.random_covariance(rng, size))
-    m.closed[[1, 3]] = 0
-    m.main = 0
-    for quarters in range(1, 4):
-        if quarters == 2 or n == 1:
-            back = turned(turned(m, quarters), 4 - quarters)
-            np.testing.assert_allclose(back.state[1:], m.state[1:], atol=1e-12)
-            np.testing.assert_allclose(back.cov, m.cov, atol=1e-15)
-            np.testing.assert_array_equal(back.closed, m.closed)
-            assert (back.n, back.main) == (m.n, m.main)
-            assert back.state[0] == pytest.approx(m.state[0] + 2 * math.pi)
-
-
-def test_a_longer_row_has_no_quarter_turn() -> None:
-    m = mapped(random_state(np.random.default_rng(0), 2))
-    assert turned(m, 1).n == 0
-    assert turned(m, 3).n == 0
-
-
-def test_a_quarter_turn_is_the_rectangle_with_width_and_height_exchanged() -> None:
-    z = random_measurement(np.random.default_rng(3), 1, t=OPEN, l=OPEN)
-    assert z.cov_wh is not None
-    other = dataclasses.replace(
-        z, w=z.h, h=z.w, phi=z.phi + math.pi / 2, cov_wh=z.cov_wh[::-1, ::-1], t=OPEN, b=CLOSED, l=CLOSED, r=OPEN
-    )  # top becomes right, left becomes top
-    ours, theirs = turned(edge_form(Scan([z]).records[0]), 1), edge_form(Scan([other]).records[0])
-    np.testing.assert_allclose(ours.state, theirs.state, atol=1e-12)
-    np.testing.assert_allclose(ours.cov, theirs.cov, atol=1e-12)
-    np.testing.assert_array_equal(ours.closed, theirs.closed)
-
-
-@pytest.mark.parametrize(("n", "left"), SHAPES)
-def test_a_half_turn_is_the_row_read_from_its_other_end(n: int, left: bool) -> None:
-    z = random_measurement(np.random.default_rng(4), n, left, t=OPEN)
-
-    def mirrored(sub: Subrectangle | None) -> Subrectangle | None:
-        return sub and dataclasses.replace(sub, y=-sub.y, t=sub.b, b=sub.t)
-
-    other = dataclasses.replace(
-        z, phi=z.phi + math.pi, left=mirrored(z.right), right=mirrored(z.left), t=z.b, b=z.t, l=z.r, r=z.l
-    )
-    ours, theirs = turned(edge_form(Scan([z]).records[0]), 2), edge_form(Scan([other]).records[0])
-    np.testing.assert_allclose(ours.state, theirs.state, atol=1e-12)
-    np.testing.assert_allclose(ours.cov, theirs.cov, atol=1e-12)
-    np.testing.assert_array_equal(ours.closed, theirs.closed)
-    assert ours.main == theirs.main
 
 
 def test_bounding_radius_holds_every_corner() -> None:

@@ -22,16 +22,16 @@ def test_a_region_in_view_is_expected(heading: float) -> None:
     """In every direction, also straight behind the robot, where angles jump."""
     pose = np.array([1.0, 2.0, 0.3])
     there = pose[:2] + 2.2 * np.array([np.cos(pose[2] + heading), np.sin(pose[2] + heading)])
-    assert is_expected(mapped(TABLE, there), pose, WIDE, 8.0)
-    assert not is_expected(mapped([0, -0.1, 0.1, -0.1, 0.1], there), pose, WIDE, 8.0)  # too small to be missed
+    assert is_expected(mapped(TABLE, there), pose, WIDE, P)
+    assert not is_expected(mapped([0, -0.1, 0.1, -0.1, 0.1], there), pose, WIDE, P)  # too small to be missed
 
 
 def test_a_region_behind_a_wall_or_out_of_range_is_not() -> None:
     origin = np.zeros(3)
-    assert not is_expected(mapped(TABLE, (2.8, 0)), origin, WALLED, 8.0)
-    assert not is_expected(mapped(TABLE, (6.5, 0)), origin, WIDE, 8.0)
-    assert not is_expected(mapped(TABLE, (2.0, 0)), origin, WALLED, 8.0)  # half of it
-    assert is_expected(mapped([0, -3, 3, -3, 3]), origin, WIDE, 8.0)  # the room around
+    assert not is_expected(mapped(TABLE, (2.8, 0)), origin, WALLED, P)
+    assert not is_expected(mapped(TABLE, (6.5, 0)), origin, WIDE, P)
+    assert not is_expected(mapped(TABLE, (2.0, 0)), origin, WALLED, P)  # half of it
+    assert is_expected(mapped([0, -3, 3, -3, 3]), origin, WIDE, P)  # the room around
 
 
 def update(regions: np.ndarray, scan: np.ndarray, view: np.ndarray) -> None:

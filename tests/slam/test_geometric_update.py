@@ -76,7 +76,7 @@ def test_an_open_edge_begins_inside_the_view_and_knows_nothing() -> None:
     sigma = np.sqrt(0.1**2 + 0.15**2 / 4)
     np.testing.assert_allclose(m.state[:5], [0, -2, 2 - sigma, -1.5 + sigma, 1.5])
     assert m.closed[:5].tolist() == [1, 1, 0, 0, 1]
-    assert m.cov[2, 2] == m.cov[3, 3] == FLAT_VARIANCE
+    assert m.cov[2, 2] == m.cov[3, 3] == pytest.approx(FLAT_VARIANCE * sigma**2)
     assert not np.any(m.cov[2, [0, 1, 3, 4]])
 
 
@@ -226,7 +226,7 @@ def test_a_view_that_ends_inside_a_rectangle_says_nothing_against_its_joint() ->
 
 
 def bare(m: np.record, places: list[int]) -> bool:
-    return all(not m.closed[k] and m.cov[k, k] == FLAT_VARIANCE and not m.cov[k, 0] for k in places)
+    return all(not m.closed[k] and m.cov[k, k] >= 1e4 * m.cov[2, 2] > 0 and not m.cov[k, 0] for k in places)
 
 
 @pytest.mark.parametrize("n", [1, 2])
