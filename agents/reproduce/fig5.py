@@ -18,9 +18,8 @@ from agents.parallel import over_seeds
 from regionslam_env.config import NoiseConfig, SensorConfig
 from regionslam_env.sensors.region_sensor import RegionSensor
 from regionslam_env.worlds.world import Region, World
-from slam.association import CANDIDATE, compare
+from slam.comparison import CANDIDATE, compare
 from slam.config import GEOMETRIC_UPDATES, Parameters, SlamConfig
-from slam.edge_form import observe, turn
 from slam.evaluation.consistency import nees_band
 from slam.geometric_update import fuse_as_set, start
 from slam.growth import take_row
@@ -31,6 +30,7 @@ from slam.parameters import to_parameters
 from slam.particles import PARTICLE
 from slam.region import MAX_STATE, REGION, u_index
 from slam.rows import Floats, Row
+from slam.turning import observe, turn
 
 PLACE = Row.from_parameters(0.0, 0.0, 8.0, 4.0, left=(5.0, 2.4, 0.4), right=(5.0, 3.0, -0.3))
 """The region: 18 m from left to right."""
