@@ -245,4 +245,4 @@ def test_other_descriptions_change_nothing_that_matters(seed: int) -> None:
             for beliefs in (as_annotated, otherwise)
         )
         assert differences(m, n).max() < 0.6
-        assert iou(row_of(n), row) > 0.85
+        assert iou(row_of(n), row) > 0.75
