@@ -5,6 +5,7 @@ import math
 import pytest
 
 from slam.config import SlamConfig
+from slam.measurement import MeasurementNoise
 
 
 def test_probabilities_become_log_odds_and_the_range_a_density() -> None:
@@ -25,6 +26,9 @@ def test_probabilities_become_log_odds_and_the_range_a_density() -> None:
         ("sensor_range", math.inf),
         ("sensor_range", -1.0),
         ("gate_associate", 400.0),
+        ("tolerance", 0.0),
+        ("tolerance", math.inf),
+        ("correspondence", "midpoints"),
         ("link_unseen", math.nan),
         ("geometric_update", "papers"),
     ],
@@ -33,3 +37,11 @@ def test_a_bad_setting_is_named_with_its_value(field: str, value: object) -> Non
     with pytest.raises(ValueError, match=field) as error:
         SlamConfig(**{field: value})  # type: ignore[arg-type]
     assert str(value) in str(error.value)
+
+
+def test_tolerance_follows_from_the_noise_unless_given() -> None:
+    noise = MeasurementNoise(sigma_xy=0.04)
+    assert SlamConfig(measurement_noise=noise).parameters().tolerance == 0.04
+    assert SlamConfig(measurement_noise=noise, tolerance=0.2).parameters().tolerance == 0.2
+    with pytest.raises(ValueError, match="sigma_xy"):
+        SlamConfig(measurement_noise=MeasurementNoise(sigma_xy=0.0))

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from slam.association import CANDIDATE
+from slam.comparison import CANDIDATE
 from slam.config import SlamConfig
 from slam.fastslam import RegionSLAM
 from slam.measurement import RegionMeasurement, Scan
