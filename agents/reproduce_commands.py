@@ -19,6 +19,30 @@ app = typer.Typer(
 Out = Annotated[Path | None, typer.Option(help="Folder for the figure (extra `plots`) and the figures as JSON.")]
 
 
+@app.command("fig5")
+def figure_5(
+    seeds: Annotated[int, typer.Option(min=1, help="Number of runs.")] = 60,
+    out: Out = None,
+    json: Json = False,
+) -> int:
+    """Repeat Fig. 5: one region of 18 m, estimated from partial views by both geometric updates."""
+    from agents.reproduce import fig5
+
+    check_folder(out)
+    runs = list(track(fig5.fig5_runs(seeds), seeds, "runs"))
+    result = fig5.fig5(runs)
+    say = console()
+    say.print(_table("Fig. 5", ("", "the paper's update", "edge form"), fig5.comparison(result)))
+    if out is not None:
+        from agents.reproduce.draw_fig5 import draw_fig5
+
+        draw_fig5(runs, out / "fig5.png")
+        say.print(f"Drawn: {out / 'fig5.png'}")
+    if json:
+        print_json(result)
+    return DONE
+
+
 @app.command("fig6")
 def figure_6(
     seeds: Annotated[int, typer.Option(min=1, help="Number of runs.")] = 20,
@@ -46,7 +70,9 @@ def figure_6(
     settings = {"noise": noise, "occlusion": occlusion, "misclassification": misclassification}
     result = {**fig6.fig6(courses, particles), **settings}
     say = console()
-    say.print(_comparison_table("Fig. 6", fig6.comparison(result, fig6.course_length(courses[0]))))
+    say.print(
+        _table("Fig. 6", ("", "the paper says", "we measure"), fig6.comparison(result, fig6.course_length(courses[0])))
+    )
     for miss in result["misses"]:
         say.print(f"seed {miss['seed']}: off by up to {miss['ape_max']:.2f} m")
     if out is not None:
@@ -59,9 +85,9 @@ def figure_6(
     return DONE
 
 
-def _comparison_table(title: str, rows: list[tuple[str, str, str]]) -> Table:
+def _table(title: str, headings: tuple[str, ...], rows: list[tuple[str, str, str]]) -> Table:
     table = Table(title=title, title_justify="left")
-    for heading in ("", "the paper says", "we measure"):
+    for heading in headings:
         table.add_column(heading)
     for row in rows:
         table.add_row(*row)

@@ -7,7 +7,7 @@ go into both geometric updates: the paper's and the edge form.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Iterator, Sequence
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -172,12 +172,21 @@ def fig5(runs: Sequence[dict[str, Track]]) -> dict[str, Any]:
     return result
 
 
-def fig5_runs(
-    seeds: int, workers: int | None = None, on_done: Callable[[], object] = lambda: None
-) -> list[dict[str, Track]]:
-    """Run the experiment for seeds 0 to `seeds` - 1, in parallel; `on_done` is called after each."""
-    runs = []
-    for run in over_seeds(track, range(seeds), warm_up=partial(track, 0), workers=workers):
-        runs.append(run)
-        on_done()
-    return runs
+def fig5_runs(seeds: int, workers: int | None = None) -> Iterator[dict[str, Track]]:
+    """Yield the runs of seeds 0 to `seeds` - 1, in parallel."""
+    return over_seeds(track, range(seeds), warm_up=partial(track, 0), workers=workers)
+
+
+def comparison(result: dict[str, Any]) -> list[tuple[str, str, str]]:
+    """Return the figures of both updates, row by row: (what, the paper's update, the edge form)."""
+    low, high = result["nees_band"]
+    rows = [
+        ("error of the whole length (RMS)", "rmse_length", "{:.4f} m"),
+        ("error of the main width (RMS)", "rmse_w", "{:.4f} m"),
+        (f"NEES of the length ({low:.2f} to {high:.2f} is honest)", "nees_length", "{:.2f}"),
+        (f"NEES of the width ({low:.2f} to {high:.2f} is honest)", "nees_w", "{:.2f}"),
+        ("trace of the covariance, first", "trace_start", "{:.3g}"),
+        ("trace of the covariance, last", "trace_end", "{:.3g}"),
+        ("step at which all edges are closed (the paper: about 150)", "step_complete", "{:.0f}"),
+    ]
+    return [(what, form.format(result["paper"][key]), form.format(result["edges"][key])) for what, key, form in rows]

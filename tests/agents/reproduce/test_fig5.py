@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from agents.reproduce.fig5 import PLACE, RANGE, course, errors, fig5, fig5_runs, measure, track
-from agents.reproduce.fig5_figure import draw_fig5
+from agents.reproduce.draw_fig5 import draw_fig5
+from agents.reproduce.fig5 import PLACE, RANGE, comparison, course, errors, fig5, fig5_runs, measure, track
 from slam.evaluation.consistency import nees_band
 from slam.measurement import MEASUREMENT
 
@@ -40,7 +40,7 @@ def test_a_perfect_estimate_has_no_error() -> None:
 
 
 def test_one_seed_gives_every_figure_and_a_picture(tmp_path: Path) -> None:
-    runs = fig5_runs(1)
+    runs = list(fig5_runs(1))
     result = fig5(runs)
     assert result["seeds"] == 1
     for update in ("edges", "paper"):
@@ -48,6 +48,7 @@ def test_one_seed_gives_every_figure_and_a_picture(tmp_path: Path) -> None:
         assert 200 < figures["step_complete"] < 300
         assert figures["trace_end"] < 1e-2 * figures["trace_start"]
         assert figures["rmse_length"] == abs(runs[0][update].length[0]) < 0.15
+    assert len(comparison(result)) == 7
     again = track(0)
     assert again["edges"].length == runs[0]["edges"].length
     draw_fig5(runs, tmp_path / "fig5.png")
@@ -57,7 +58,7 @@ def test_one_seed_gives_every_figure_and_a_picture(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_the_edge_form_is_accurate_and_knows_how_wrong_it_is() -> None:
     """Acceptance of Fig. 5 on 60 seeds; simulated covariances are 1.2 times the told ones."""
-    result = fig5(fig5_runs(60))
+    result = fig5(list(fig5_runs(60)))
     low, high = (1.2 * bound for bound in nees_band(60, 1))
     edges, paper = result["edges"], result["paper"]
     assert edges["rmse_length"] < 0.015
