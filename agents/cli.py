@@ -13,6 +13,7 @@ from rich.table import Table
 from agents.benchmark_commands import app as benchmark_app
 from agents.console import DONE, FAILED, Commands, bar, console, print_json, progress, status_console
 from agents.options import Json, WorldName, check_folder, given
+from agents.reproduce_commands import app as reproduce_app
 from agents.world_commands import app as world_app
 
 if TYPE_CHECKING:
@@ -27,6 +28,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 app.add_typer(benchmark_app, name="benchmark")
+app.add_typer(reproduce_app, name="reproduce")
 app.add_typer(world_app, name="world")
 
 EnvId = Annotated[str, typer.Option("--env", help="Id of an environment.")]
