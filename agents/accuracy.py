@@ -2,25 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from functools import cache
-from itertools import pairwise
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from regionslam_env.config import SensorConfig, noise_set
-from regionslam_env.sensors.odometry import OdometrySensor
-from regionslam_env.sensors.region_sensor import RegionSensor
-from regionslam_env.worlds.course import INSTITUTE_TOUR, course
-from regionslam_env.worlds.loading import load
-from regionslam_env.worlds.world import World
+from agents.recording import Recording, institute, record
 from slam import RegionMap, RegionSLAM, SlamConfig
 from slam.evaluation.consistency import pose_nees
-from slam.evaluation.map_quality import map_quality
+from slam.evaluation.map_quality import MapQuality, map_quality
 from slam.evaluation.trajectory import ape
 from slam.rows import Floats
-from slam.se2 import between
 
 REGULAR = 1e-6
 """Added to pose variances (m², rad²): a robot that has not moved yet is certain of its pose."""
@@ -38,6 +31,8 @@ class Tour:
         Of the poses in the map frame, which is the start pose: shapes (T, 3), (T, 3, 3), (T, 3).
     map
         The filter's, after the last step.
+    features
+        The regions of its heaviest particle in edge form, an array of `REGION`.
     seen
         Ids of the true regions measured often enough to be confirmed.
     """
@@ -46,14 +41,8 @@ class Tour:
     covariances: Floats
     true: Floats
     map: RegionMap
+    features: NDArray[np.void]
     seen: list[str]
-
-
-@cache
-def institute() -> tuple[World, Floats]:
-    """Return the world of the tour and its poses, shape (T + 1, 3)."""
-    world = load("institute")
-    return world, course(world, INSTITUTE_TOUR)
 
 
 def warm_up() -> None:
@@ -70,21 +59,26 @@ def drive(
     steps: int | None = None,
 ) -> Tour:
     """Run the filter along the tour of the institute, or its first steps, with unknown correspondence."""
-    world, poses = institute()
-    poses = poses[: None if steps is None else steps + 1]
-    settings = replace(noise_set(noise), misclassification=misclassification)
-    odometry_rng, region_rng, filter_rng = map(np.random.default_rng, np.random.SeedSequence(seed).spawn(3))
-    odometer = OdometrySensor(settings, odometry_rng)
-    sensor = RegionSensor(SensorConfig(occlusion=occlusion), settings, world.arrays, region_rng)
-    config = SlamConfig(n_particles, motion_noise=settings.odometry, measurement_noise=settings.regions)
-    slam = RegionSLAM(config, filter_rng)
-    estimated, covariances = np.empty((len(poses) - 1, 3)), np.empty((len(poses) - 1, 3, 3))
-    for k, (before, after) in enumerate(pairwise(poses)):
-        belief = slam.step(odometer.measure(before, after), sensor.measure(after))
+    recording = record(seed, noise, occlusion, misclassification, steps=steps)
+    return follow(recording, SlamConfig(n_particles, **told(recording)))
+
+
+def told(recording: Recording) -> dict[str, Any]:
+    """Return the settings of a filter that knows the noise of the sensors."""
+    return {"motion_noise": recording.noise.odometry, "measurement_noise": recording.noise.regions}
+
+
+def follow(recording: Recording, config: SlamConfig) -> Tour:
+    """Run a filter on recorded data."""
+    slam = RegionSLAM(config, np.random.default_rng(recording.filter_seed))
+    estimated, covariances = np.empty_like(recording.true), np.empty((len(recording.true), 3, 3))
+    for k, (move, scan) in enumerate(zip(recording.moves, recording.scans, strict=True)):
+        belief = slam.step(move, scan)
         estimated[k], covariances[k] = belief.pose_mean, belief.pose_cov
-    true = np.array([between(poses[0], pose) for pose in poses[1:]])
-    seen = [r.id for r, n in zip(world.regions, sensor.sightings, strict=True) if n >= config.confirmed_after]
-    return Tour(estimated, covariances, true, slam.belief.map, seen)
+    regions = zip(recording.world.regions, recording.sightings, strict=True)
+    seen = [region.id for region, n in regions if n >= config.confirmed_after]
+    belief = slam.belief
+    return Tour(estimated, covariances, recording.true, belief.map, belief.features.copy(), seen)
 
 
 def tour(
@@ -108,16 +102,12 @@ def tour(
 
 def figures(run: Tour) -> dict[str, Any]:
     """Return the figures of a tour that was driven, as in `tour`."""
-    world, poses = institute()
-    error = ape(run.estimated, run.true).position
-    links = [(link.source, link.target) for link in world.links]
-    quality = map_quality(run.map.regions, world.regions, links, run.seen, pose=poses[0])
-    covariances = run.covariances + REGULAR * np.eye(3)
+    error, quality = ape(run.estimated, run.true).position, quality_of(run)
     return {
         "ape_max": error.max,
         "ape_rmse": error.rmse,
         "ape_end": error.end,
-        "pose_nees": float(np.mean(pose_nees(run.estimated, covariances, run.true))) / 3,
+        "pose_nees": mean_pose_nees(run.estimated, run.covariances, run.true),
         "regions_seen": len(run.seen),
         "regions_mapped": len(run.map.regions),
         "duplicates": len(quality.duplicates),
@@ -128,3 +118,15 @@ def figures(run: Tour) -> dict[str, Any]:
         "link_f1": quality.link_f1,
         "containment_f1": quality.containment_f1,
     }
+
+
+def quality_of(run: Tour) -> MapQuality:
+    """Compare the filter's map with the institute."""
+    world, poses = institute()
+    links = [(link.source, link.target) for link in world.links]
+    return map_quality(run.map.regions, world.regions, links, run.seen, pose=poses[0])
+
+
+def mean_pose_nees(estimated: Floats, covariances: Floats, true: Floats) -> float:
+    """Return the mean NEES of the poses of a course, divided by 3: ideally 1."""
+    return float(np.mean(pose_nees(estimated, covariances + REGULAR * np.eye(3), true))) / 3

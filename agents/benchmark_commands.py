@@ -1,4 +1,4 @@
-"""Commands that measure: `regionslam benchmark env | filter | tour`. Each is one function here."""
+"""Commands that measure: `regionslam benchmark env | filter | tour | accuracy`. Each is one function here."""
 
 from __future__ import annotations
 
@@ -78,6 +78,44 @@ def tour(
     say.print(f"{seeds} seeds: position off by {worst:.2f} m at most")
     settings = {"seeds": seeds, "n_particles": particles, "noise": noise, "occlusion": occlusion}
     return _done({**settings, "ape_max_worst": worst, "runs": runs}, json)
+
+
+@app.command("accuracy")
+def accuracy_(
+    seeds: Seeds = 20,
+    particles: Annotated[
+        list[int] | None, typer.Option("--particles", min=1, help="Particles; repeat it for several (default 4, 16).")
+    ] = None,
+    noise: Noise = "standard",
+    occlusion: Occlusion = False,
+    calibrated: Annotated[
+        bool, typer.Option(help="Simulate the noise that the filter is told, no larger one.")
+    ] = False,
+    json: Json = False,
+) -> int:
+    """Compare the filter with the optimum of the same data."""
+    from agents import accuracy
+    from agents.batch import AVAILABLE, MISSING
+    from agents.comparison import compare, summarize
+    from agents.parallel import over_seeds
+
+    numbers = sorted(set(particles or (4, 16)))
+    run = partial(compare, particles=numbers, noise=noise, occlusion=occlusion, calibrated=calibrated)
+    runs = list(track(over_seeds(run, range(seeds), accuracy.warm_up), seeds, "seeds"))
+    settings = {"noise": noise, "occlusion": occlusion, "calibrated": calibrated}
+    result = {**settings, **summarize(runs, numbers)}
+    say = console()
+    if not AVAILABLE:
+        say.print(f"Without the smoothed optimum: {MISSING}.")
+    say.print(f"{'':<14}RMSE m  aligned   90 %  worst  pose NEES / 3  region NEES")
+    for name, values in result["filters"].items():
+        calibration = "".join(f"{values[key]:>13.2f}" if key in values else "" for key in ("pose_nees", "region_nees"))
+        errors = (values[key] for key in ("ape_rmse", "ape_aligned", "ape_rmse_p90", "ape_max_worst"))
+        say.print(f"{name:<14}" + "".join(f"{error:>7.3f}" for error in errors) + calibration)
+    for key in ("ratio_to_optimum", "ratio_to_optimum_4", "ratio_to_batch"):
+        if result[key] is not None:
+            say.print(f"{key}: {result[key]:.2f}, aligned {result[key + '_aligned']:.2f}")
+    return _done(result, json)
 
 
 def _done(result: dict[str, Any], json: bool) -> int:

@@ -30,8 +30,6 @@ class EdgeEKF:
         Number of true regions.
     pose
         Where the robot starts, known for certain.
-    iterations
-        How often an update is linearised: 1 for the plain EKF, more for the iterated one.
 
     Attributes
     ----------
@@ -44,10 +42,8 @@ class EdgeEKF:
         Anchors of the regions, shape (n_regions, 2), m: the middle of the first measurement, fixed from then on.
     """
 
-    def __init__(
-        self, noise: MotionNoise, n_regions: int, pose: ArrayLike = (0.0, 0.0, 0.0), iterations: int = 2
-    ) -> None:
-        self._noise, self._iterations = noise, iterations
+    def __init__(self, noise: MotionNoise, n_regions: int, pose: ArrayLike = (0.0, 0.0, 0.0)) -> None:
+        self._noise = noise
         self.mean = np.array(pose, dtype=np.float64)
         self.place = np.full((n_regions, MAX_STATE), UNSEEN, np.int64)
         self.anchor = np.zeros((n_regions, 2))
@@ -96,23 +92,18 @@ class EdgeEKF:
             self._add_edges(lines, new_edges)
 
     def _condition(self, lines: Lines, rows: NDArray[np.bool_]) -> None:
-        """Update with the given rows of headings and edges, linearised anew at every result."""
-        m, prior, cov = len(lines.region), self.mean, self.cov
+        """Update with the given rows of headings and edges."""
+        m, cov = len(lines.region), self.cov
         noise = np.zeros((len(rows), len(rows)))
-        noise[:m, :m], noise[m:, m:] = np.diag(lines.var_phi), lines.noise
-        noise = noise[np.ix_(rows, rows)]
-        for _ in range(self._iterations):
-            residual = np.concatenate(self._residuals(lines))[rows]
-            places, values = (part[rows] for part in self._jacobian(lines))
-            residual += np.einsum("ra,ra->r", values, (self.mean - prior)[places])  # as seen from the prior
-            crossed = values[:, :3] @ cov[:3]  # H P
-            crossed += values[:, 3:4] * cov[places[:, 3]]
-            crossed += values[:, 4:] * cov[places[:, 4]]
-            innovation = np.einsum("ra,jra->jr", values, crossed[:, places]) + noise
-            factor = np.linalg.cholesky((innovation + innovation.T) / 2)
-            whitened = np.linalg.solve(factor, np.column_stack([crossed, residual]))
-            gain = whitened[:, :-1]
-            self.mean = prior + gain.T @ whitened[:, -1]
+        noise[:m, :m], noise[m:, m:] = np.diag(lines.var_phi), lines.covariance
+        places, values = (part[rows] for part in self._jacobian(lines))
+        crossed = values[:, :3] @ cov[:3]  # H P
+        crossed += values[:, 3:4] * cov[places[:, 3]]
+        crossed += values[:, 4:] * cov[places[:, 4]]
+        innovation = np.einsum("ra,jra->jr", values, crossed[:, places]) + noise[np.ix_(rows, rows)]
+        whitener = np.linalg.inv(np.linalg.cholesky((innovation + innovation.T) / 2))
+        gain = whitener @ crossed
+        self.mean = self.mean + gain.T @ (whitener @ np.concatenate(self._residuals(lines))[rows])
         cov -= gain.T @ gain
 
     def _add_regions(self, lines: Lines, new: NDArray[np.bool_]) -> None:
@@ -130,7 +121,7 @@ class EdgeEKF:
     def _add_edges(self, lines: Lines, new: NDArray[np.bool_]) -> None:
         """Begin edges: e solves its row, given what the known edges' rows say of the noise that it shares with them."""
         old = ~new
-        noise = lines.noise
+        noise = lines.covariance
         shared = np.linalg.solve(noise[np.ix_(old, old)], noise[np.ix_(old, new)]).T
         places, values = self._jacobian(lines)
         places, values = places[len(lines.region) :], values[len(lines.region) :]

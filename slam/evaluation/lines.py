@@ -13,10 +13,11 @@ G Q G^T, but without the error of a lever that is itself measured, and the rows 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from slam.region import MAX_STATE, REGION, b_index, u_index
 from slam.rows import MAX_RECTANGLES, Floats, Row
@@ -41,12 +42,13 @@ class Lines:
         Number of the true region of each measurement, shape (M,).
     phi, var_phi, middle
         Measured heading (rad) and its variance, and the middle of the main rectangle along n_u, n_v, shape (M, 2), m.
-    owner, edge
-        Measurement of each edge, ascending, and its place in the state vector of the true region, shape (K,).
+    owner, at, edge
+        Of each edge, shape (K,): its measurement, ascending, and its place in the state vector of that measurement and
+        of the true region.
     offset
         Measured edge relative to the middle, shape (K,), m.
     noise
-        Covariance of the edges' rows, shape (K, K): one block per measurement, m².
+        Covariance of each measurement's edges by their places in its state vector, (M, MAX_STATE, MAX_STATE), m².
     """
 
     region: Ints
@@ -54,9 +56,19 @@ class Lines:
     var_phi: Floats
     middle: Floats
     owner: Ints
+    at: Ints
     edge: Ints
     offset: Floats
     noise: Floats
+
+    @property
+    def covariance(self) -> Floats:
+        """Covariance of the edges' rows, shape (K, K), m²: measurements are independent of one another."""
+        covariance = self.noise[self.owner[:, None], self.at[:, None], self.at]
+        return np.where(self.owner[:, None] == self.owner, covariance, 0.0)
+
+
+_FIELDS = tuple(field.name for field in fields(Lines))
 
 
 def lines_of(records: NDArray[np.void], sources: NDArray[np.void]) -> Lines:
@@ -79,31 +91,38 @@ def lines_of(records: NDArray[np.void], sources: NDArray[np.void]) -> Lines:
     owner, at = np.nonzero((z["closed"] != 0) & (places > 0) & (places < 2 + 3 * z["n"][:, None]))
     main = np.stack([_U[z["main"]], _U[z["main"] + 1], b_index(z["main"]), b_index(z["main"]) + 1], axis=1)
     middle = np.take_along_axis(state, main, axis=1).reshape(-1, 2, 2).mean(axis=2)
-    along = IS_U[at]
-    lever = np.where(along, middle[owner, 1], -middle[owner, 0])  # d rho / d phi_z
-    own = z["cov"][owner[:, None], at[:, None], at[None, :]]
-    with_phi, var_phi = z["cov"][owner, 0, at], z["cov"][:, 0, 0]
-    noise = own - lever[:, None] * with_phi - lever * with_phi[:, None] + np.outer(lever, lever) * var_phi[owner]
-    noise[owner[:, None] != owner] = 0.0
+    lever = np.where(IS_U, middle[:, 1:], -middle[:, :1])  # d rho / d phi_z
+    crossed, var_phi = lever[:, :, None] * z["cov"][:, :1], z["cov"][:, 0, 0]
+    levers = lever[:, :, None] * lever[:, None] * var_phi[:, None, None]
     return Lines(
         sources["region"],
         state[:, 0].copy(),
         var_phi.copy(),
         middle,
         owner,
+        at,
         _shifted(at, sources["first"][owner]),
-        state[owner, at] - np.where(along, middle[owner, 0], middle[owner, 1]),
-        noise,
+        state[owner, at] - np.where(IS_U[at], middle[owner, 0], middle[owner, 1]),
+        z["cov"] - crossed - crossed.swapaxes(1, 2) + levers,
     )
 
 
-def state_of(row: Row) -> Floats:
-    """Return heading (rad) and edges (m, from its origin) of a true row, shape (MAX_STATE,), nan beyond its end."""
+def stack(scans: Sequence[Lines]) -> Lines:
+    """Return the lines of several scans as one."""
+    joined = {name: np.concatenate([getattr(scan, name) for scan in scans]) for name in _FIELDS}
+    firsts = np.cumsum([0, *(len(scan.region) for scan in scans[:-1])])
+    joined["owner"] += np.repeat(firsts, [len(scan.owner) for scan in scans])
+    return Lines(**joined)
+
+
+def state_of(row: Row, anchor: ArrayLike) -> Floats:
+    """Return heading (rad) and edges (m, from the anchor) of a true row, shape (MAX_STATE,), nan beyond its end."""
+    u, v = row.to_local(np.asarray(anchor, float)[None])[0]
     state = np.full(MAX_STATE, np.nan)
     state[0] = row.phi
-    state[[u_index(k) for k in range(row.n + 1)]] = row.u
-    state[[b_index(i) for i in range(row.n)]] = row.b
-    state[[b_index(i) + 1 for i in range(row.n)]] = row.t
+    state[[u_index(k) for k in range(row.n + 1)]] = row.u - u
+    state[[b_index(i) for i in range(row.n)]] = row.b - v
+    state[[b_index(i) + 1 for i in range(row.n)]] = row.t - v
     return state
 
 

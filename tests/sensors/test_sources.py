@@ -19,8 +19,8 @@ from tests.sensors.reading import sensor
 @pytest.mark.parametrize("distortion", [{}, {"misses": 0.3, "false_positives": 2.0, "misclassification": 0.2}])
 def test_every_measured_edge_is_that_edge_of_its_source(occlusion, distortion):
     world = load("institute")
-    truth = np.array([state_of(region.row) for region in world.regions])
     origins = np.array([(region.row.x, region.row.y) for region in world.regions])
+    truth = np.array([state_of(region.row, origin) for region, origin in zip(world.regions, origins, strict=True)])
     noise = dataclasses.replace(NOISE_SETS["none"], **distortion)
     eye, rng = sensor(world, noise, occlusion=occlusion), np.random.default_rng(10)
     xmin, ymin, xmax, ymax = world.bounds

@@ -111,6 +111,6 @@ def test_rows_carry_the_information_of_rho_and_alpha_used_jointly():
     own[0, 2], own[0, 3] = -1, 1
     own[1:, :3], own[1:, 3], own[1:, 4:] = by_pose, by_phi, np.eye(MAX_STATE - 1)
     noise = np.zeros((MAX_STATE, MAX_STATE))
-    noise[0, 0], noise[1:, 1:] = lines.var_phi[0], lines.noise
+    noise[0, 0], noise[1:, 1:] = lines.var_phi[0], lines.covariance
     expected = joint.T @ np.linalg.solve(z.cov, joint)
     assert np.allclose(own.T @ np.linalg.solve(noise, own), expected, rtol=1e-6, atol=1e-6 * np.abs(expected).max())
