@@ -115,7 +115,9 @@ class Search:
         score = self.hypotheses["log_weight"]
         best = int(np.argmax(score))
         leader = self.hypotheses[best]
-        others = [s for s, h in zip(score, self.hypotheses, strict=True) if not are_near(h.pose, leader.pose, self._near)]
+        others = [
+            s for s, h in zip(score, self.hypotheses, strict=True) if not are_near(h.pose, leader.pose, self._near)
+        ]
         sure = self._explained[best] >= LEAST_EXPLAINED and score[best] >= max(others, default=-np.inf) + LEAST_LEAD
         return leader if sure else None
 

@@ -1,4 +1,4 @@
-"""A robot that is carried from one end of its map to the other: the filter notices, writes nothing, and finds itself."""
+"""A robot carried from one end of its map to the other: the filter notices, writes nothing, and finds itself."""
 
 from __future__ import annotations
 
