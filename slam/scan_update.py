@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from slam.association import ASSOCIATION, CANDIDATE, CANDIDATES_PER_MEASUREMENT, associate
+from slam.association import ASSOCIATION, CANDIDATES_PER_MEASUREMENT, associate
+from slam.comparison import CANDIDATE
 from slam.config import Parameters
 from slam.duplicates import resolve_duplicates
-from slam.edge_form import observe
 from slam.existence import update_existence
 from slam.geometric_update import update_geometry
 from slam.jit import Array, njit
@@ -21,12 +21,18 @@ from slam.region import REGION
 from slam.resampling import ancestors_of
 from slam.semantic_update import update_semantics
 from slam.topology_update import measured_relations, update_topology
+from slam.turning import observe
 from slam.weights import normalise, weights
 
 
 @njit
 def look_up(
-    particles: Array, arrays: tuple[Any, ...], records: Array, type_numbers: Array, measured_links: Array
+    particles: Array,
+    arrays: tuple[Any, ...],
+    records: Array,
+    type_numbers: Array,
+    measured_links: Array,
+    sensor_range: float,
 ) -> Any:
     """Return what is measured, in edge form, and which regions of each map it can be of; and the room this may need."""
     n, maps = len(records), Maps(*arrays)
@@ -35,7 +41,7 @@ def look_up(
 
     observe(records, type_numbers, measured)
     measured_relations(measured, measured_links, relations)
-    near, n_near = find_near(particles, maps, measured)
+    near, n_near = find_near(particles, maps, measured, sensor_range)
     return measured, relations, near, n_near, demand(maps, near, n_near, relations)
 
 
