@@ -1,4 +1,4 @@
-"""Commands that measure: `regionslam benchmark env | filter | tour | accuracy`. Each is one function here."""
+"""Commands that measure: `regionslam benchmark env | filter | tour | accuracy | robustness`, one function each."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperGroup
 
-from agents.console import DONE, console, print_json, track
+from agents.console import DONE, InputError, console, print_json, track
 from agents.options import Json, Noise, Occlusion, Particles, WorldName
 
 
@@ -116,6 +116,34 @@ def accuracy_(
         if result[key] is not None:
             say.print(f"{key}: {result[key]:.2f}, aligned {result[key + '_aligned']:.2f}")
     return _done(result, json)
+
+
+@app.command()
+def robustness(
+    seeds: Seeds = 10,
+    scenario: Annotated[list[str] | None, typer.Option(help="Only this one; may be repeated.")] = None,
+    json: Json = False,
+) -> int:
+    """Judge the filter where things go wrong: wheel slip, wrong types, twins, kidnapping and more."""
+    from agents import robustness as measure
+    from agents.parallel import over_seeds
+    from agents.scenarios import SCENARIOS
+    from regionslam_env.errors import unknown
+
+    names = tuple(scenario or SCENARIOS)
+    for name in names:
+        if name not in SCENARIOS:
+            raise InputError(unknown("scenario", name, SCENARIOS))
+    items = range(len(names) * seeds)
+    item = partial(measure.run_item, names=names, seeds=seeds)
+    runs = list(track(over_seeds(item, items, measure.warm_up), len(items), "runs"))
+    rows = [measure.summary(runs[k * seeds : (k + 1) * seeds]) for k in range(len(names))]
+    say = console()
+    say.print("scenario (seeds passed): median / worst of each figure")
+    for row in rows:
+        figures = [f"{k} {_figure(v['median'])} / {_figure(v['worst'])}" for k, v in row["figures"].items()]
+        say.print(f"{row['scenario']} ({row['passed']} of {seeds}): {', '.join(figures)}")
+    return _done({"seeds": seeds, "scenarios": rows, "runs": runs}, json)
 
 
 def _done(result: dict[str, Any], json: bool) -> int:

@@ -218,7 +218,12 @@ def from_dict(config: type[C], values: Mapping[str, Any] | C | None, where: str)
         if key not in types:
             raise ConfigError(unknown(f"key of {where}", str(key), types))
         arguments[key] = _convert(types[key], value, f"{where}.{key}")
-    return config(**arguments)
+    try:
+        return config(**arguments)
+    except ConfigError:
+        raise
+    except ValueError as error:  # of the filter's own settings
+        raise ConfigError(f"{where}: {error}") from None
 
 
 def _convert(kind: Any, value: Any, where: str) -> Any:

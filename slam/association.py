@@ -12,11 +12,13 @@ from typing import Any
 
 import numpy as np
 
-from slam.comparison import box, compare
+from slam.comparison import CANDIDATE, box, compare
+from slam.edge_form import state_size
 from slam.extent import area
 from slam.innovation import n_closed, workspace
 from slam.jit import Array, Record, njit
 from slam.maps import region_of
+from slam.semantic_update import SAME_PLACE
 
 ASSOCIATION = np.dtype(
     (np.record, [("slot", np.int64), ("turn", np.int64), ("turn_map", np.int64), ("offset", np.int64)])
@@ -29,6 +31,7 @@ Quarter turns are the equivalent descriptions of `slam.turning`: those of a long
 NEW, AMBIGUOUS = -1, -2
 
 CANDIDATES_PER_MEASUREMENT = 12
+"""The most likely ones of each measurement are looked at."""
 
 ALIKE = 2.5
 """Ratio of areas up to which a measurement of another type can be one of the same place."""
@@ -38,6 +41,9 @@ LARGE_VIEW = 1 / 4
 
 MARGIN = 1 / 8
 """Distance, in ranges of the sensor, beyond which regions that do not touch are not compared."""
+
+SETTLED = 1.5
+"""Log-odds from which a region's type is settled: a measurement of the same place under another type is a mistake."""
 
 
 @njit
@@ -57,7 +63,7 @@ def associate(
     `measured` (M, 4) holds the equivalent descriptions, `associations` (P, M) and `candidates` (P, ...) are written.
     """
     work = workspace(p.tolerance)
-    turned = np.zeros_like(measured[:1, 0])
+    turned, found = np.zeros_like(measured[:1, 0]), np.zeros(1, CANDIDATE)
     circles = bounding_circles(measured)
     areas = np.zeros(near.shape[1])
     for i in range(len(particles)):
@@ -68,27 +74,79 @@ def associate(
         margin = MARGIN * p.sensor_range + 5.0 * np.sqrt(particles[i].cov[0, 0] + particles[i].cov[1, 1])
         n = 0
         for z in range(len(measured)):
+            first = n
             x = pose[0] + c * circles[z, 0] - s * circles[z, 1]
             y = pose[1] + s * circles[z, 0] + c * circles[z, 1]
             for j in range(n_near[i]):
                 m = region_of(maps, i, near[i, j])
                 dx, dy = m.anchor[0] - x, m.anchor[1] - y
                 reach = m.radius + circles[z, 2] + margin
-                if dx * dx + dy * dy > reach * reach or n == candidates.shape[1]:
+                if dx * dx + dy * dy > reach * reach:
                     continue
                 if measured[z, 0].type != m.type and not are_alike(circles[z, 3], areas[j]):
                     continue
-                if compare(measured[z], m, particles[i], p, work, turned[0], candidates[i, n]):
-                    candidates[i, n].z, candidates[i, n].slot = z, near[i, j]
-                    n += 1
+                if compare(measured[z], m, particles[i], p, work, turned[0], found[0]):
+                    found[0].z, found[0].slot = z, near[i, j]
+                    n = keep(candidates[i], first, n, found[0])
         n_candidates[i] = n
         assign(candidates[i, :n], associations[i], measured, maps.marks, p)
+        for z in range(len(measured)):
+            for j in range(n_near[i] if associations[i, z].slot == NEW else 0):
+                m = region_of(maps, i, near[i, j])
+                if is_misnamed(measured[z], m, particles[i], p, work, turned[0], found[0]):
+                    associations[i, z].slot = AMBIGUOUS
+                    break
+
+
+@njit
+def keep(candidates: Array, first: int, n: int, candidate: Record) -> Any:
+    """Add a candidate to those of its measurement, `candidates[first:n]`; return their new end.
+
+    Where there are enough of them, it takes the place of the least likely one if it is more likely.
+    """
+    if n - first < CANDIDATES_PER_MEASUREMENT:
+        candidates[n] = candidate
+        return n + 1
+    least = first
+    for c in range(first, n):
+        if candidates[c].log_likelihood < candidates[least].log_likelihood:
+            least = c
+    if candidate.log_likelihood > candidates[least].log_likelihood:
+        candidates[least] = candidate
+    return n
 
 
 @njit
 def can_be_born(z: Record, p: Record) -> bool:
     """Say whether a measurement shows enough of a place to begin a region: two closed edges, or a large area."""
     return n_closed(z) >= 3 or area(z) >= (LARGE_VIEW * p.sensor_range) ** 2
+
+
+@njit
+def is_misnamed(
+    descriptions: Record, m: Record, particle: Record, p: Record, work: Record, turned: Record, candidate: Record
+) -> bool:
+    """Say whether a measurement that fits no region of its type shows a region whose other type is settled.
+
+    While no type is settled, every one that was measured makes a hypothesis of its own (section II-A).
+    """
+    z = descriptions[0]
+    if z.type == m.type or m.type_log_odds < SETTLED or z.n > m.n:
+        return False
+    size, other = area(z), area(m)
+    # The area of what has open edges is but the least it can be.
+    if (size > ALIKE * other and is_closed(m)) or (other > ALIKE * size and is_closed(z)):
+        return False
+    dx, dy = m.anchor[0] - particle.pose[0], m.anchor[1] - particle.pose[1]
+    if dx * dx + dy * dy > (m.radius + z.radius + MARGIN * p.sensor_range) ** 2:
+        return False
+    return compare(descriptions, m, particle, p, work, turned, candidate) and candidate.distance < SAME_PLACE
+
+
+@njit
+def is_closed(region: Record) -> bool:
+    """Say whether all edges of a region were seen."""
+    return n_closed(region) == state_size(region.n)
 
 
 @njit

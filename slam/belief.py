@@ -34,6 +34,9 @@ class Belief:
         All particles, and their maps.
     types
         What the type of a `REGION` indexes.
+    lost
+        Whether the filter doesn't know where on its map the robot is. The particles then are hypotheses about that, all
+        with one map, to which nothing is written.
     """
 
     pose_mean: Floats
@@ -45,6 +48,7 @@ class Belief:
     maps: Maps
     types: list[str]
     confirmed_after: int
+    lost: bool = False
 
     @cached_property
     def map(self) -> RegionMap:

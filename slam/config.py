@@ -53,6 +53,8 @@ class SlamConfig:
     geometric_update
         How a region learns from a measurement: "edges", one joint Gaussian of all edge positions, or "paper", the
         expansion and the independent blocks of Oberländer et al. 2008, section II-C.1, with their innovation (23).
+    relocalise
+        Whether the filter notices when scans contradict its map, and then searches the robot on it (`slam.lost`).
     """
 
     n_particles: int = 4
@@ -75,6 +77,7 @@ class SlamConfig:
     existence_ceiling: float = 6.0
     confirmed_after: int = 3
     geometric_update: str = "edges"
+    relocalise: bool = True
 
     def __post_init__(self) -> None:
         if not (isinstance(self.n_particles, int) and self.n_particles >= 1):

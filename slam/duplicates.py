@@ -20,9 +20,6 @@ from slam.turning import turn
 MARGIN = 3.0
 """Centres within this distance, in tolerances, of the other region make two regions candidates for one place."""
 
-REFUTED = -3.0
-"""Log-odds of its type below which an outdone hypothesis is dropped."""
-
 TWIN_OVERLAP = 0.5
 """Share of the smaller of two regions of one type from which they cannot both be there."""
 
@@ -31,7 +28,7 @@ TWIN_OVERLAP = 0.5
 def resolve_duplicates(
     maps: Record, near: Array, n_near: Array, associations: Array, scan_number: int, p: Record
 ) -> None:
-    """Compare a region just measured with its neighbours; merge twins, rank rivals, drop outdone hypotheses.
+    """Compare a region just measured with its neighbours; merge twins and rank rivals.
 
     Each scan looks at one of its regions in turn: duplicates need no answer within a tenth of a second.
     """
@@ -69,7 +66,7 @@ def resolve_duplicates(
 
 @njit
 def settle_rivalry(maps: Record, particle: int, slot: int, margin: float) -> None:
-    """Drop a hypothesis that its rival has refuted; free it where the rival is gone or has lost its lead."""
+    """Free a hypothesis whose rival is gone or has lost its lead."""
     if maps.table[particle, slot] < 0 or region_of(maps, particle, slot).rival < 0:
         return
     m = region_of(maps, particle, slot)
@@ -77,8 +74,6 @@ def settle_rivalry(maps: Record, particle: int, slot: int, margin: float) -> Non
     gone = maps.table[particle, m.rival] < 0 or not are_rivals(m, region_of(maps, particle, m.rival), margin)
     if gone or region_of(maps, particle, m.rival).type_log_odds < m.type_log_odds:
         own(maps, particle, slot).rival = -1
-    elif m.type_log_odds < REFUTED:
-        drop(maps, particle, slot)
 
 
 @njit
@@ -140,7 +135,7 @@ def merge(
     """Make one region of two of a type, under the older identity.
 
     Given the trajectory the two estimates are independent, so the younger one is taken as a measurement made from its
-    anchor. If they contradict each other, the geometry with more edges and sightings is kept.
+    anchor. If they contradict each other, only one of them is there, and it alone counts.
     """
     stand.pose[0], stand.pose[1], stand.pose[2] = younger.anchor[0], younger.anchor[1], 0.0
     for quarters in range(4):
@@ -154,10 +149,20 @@ def merge(
             turn(older, 1, descriptions[4])
             take_row(descriptions[4], older)
         fuse_as_set(descriptions[candidate.turn], older, candidate.offset, stand.pose, work, p)
-    elif (n_closed(younger), younger.sightings) > (n_closed(older), older.sightings):
+        older.sightings += younger.sightings
+        older.existence = max(older.existence, younger.existence)
+        older.type_log_odds = max(older.type_log_odds, younger.type_log_odds)
+    elif outranks(younger, older, p):
         take_row(younger, older)
-    older.sightings += younger.sightings
+        older.sightings, older.existence = younger.sightings, younger.existence
+        older.type_log_odds = younger.type_log_odds
     older.last_seen = max(older.last_seen, younger.last_seen)
-    older.existence = max(older.existence, younger.existence)
-    older.type_log_odds = max(older.type_log_odds, younger.type_log_odds)
     older.visited = max(older.visited, younger.visited)
+
+
+@njit
+def outranks(a: Record, b: Record, p: Record) -> bool:
+    """Say whether a, and not b, is there: it is confirmed, has more edges, was seen more often or, if neither, last."""
+    if min(a.sightings, b.sightings) < p.confirmed_after:
+        return (a.sightings, a.last_seen, n_closed(a)) > (b.sightings, b.last_seen, n_closed(b))
+    return (n_closed(a), a.sightings) > (n_closed(b), b.sightings)

@@ -7,6 +7,7 @@ import numpy as np
 from slam.extent import contains, point_in_rectangle
 from slam.jit import Array, Record, njit
 from slam.maps import drop, own, region_of
+from slam.semantic_update import SAME_PLACE
 from slam.view import is_in_view
 
 LEAST_SHARE = 0.6
@@ -14,6 +15,9 @@ LEAST_SHARE = 0.6
 
 LEAST_ANGLE = 0.2
 """Regions that fill a smaller angle (rad) may well be missed."""
+
+REFUTED = -3.0
+"""Log-odds of its type below which a hypothesis is dropped."""
 
 VIEW_MARGIN = 3.0
 """Points nearer to the end of the view, in tolerances, do not count as seen."""
@@ -33,18 +37,19 @@ def update_existence(
 ) -> None:
     """Update the existence of every region nearby, drop those that ceased to be credible, and note those visited.
 
-    A region that fits some measurement of any type is explained; only a place seen empty counts against it.
+    Only a place seen empty counts against a region: not one where a measurement may be of it (`mark_explained`), and
+    none where the scan explains no region at all, which tells of the sensor or the pose rather than of the regions.
     """
     explained = maps.marks
     for i in range(len(particles)):
         particle = particles[i]
-        for c in range(n_candidates[i]):
-            explained[candidates[i, c].slot] = 1
+        mark_explained(explained, candidates[i, : n_candidates[i]], associations[i])
+        in_order = False
         for z in range(associations.shape[1]):
             slot = associations[i, z].slot
             if slot >= 0:
-                explained[slot] = 1
                 m = own(maps, i, slot)
+                in_order |= m.sightings > 1
                 m.existence = min(m.existence + p.existence_seen, p.existence_ceiling)
         for j in range(n_near[i]):
             slot = near[i, j]
@@ -54,12 +59,28 @@ def update_existence(
             if inside and not m.visited and contains(m, particle.pose[0], particle.pose[1], p.tolerance):
                 m = own(maps, i, slot)
                 m.visited = 1
-            if explained[slot] < 0 and len(view) > 0 and is_expected(m, particle.pose, view, p):
+            missing = in_order and explained[slot] < 0 and len(view) > 0
+            if missing and is_expected(m, particle.pose, view, p):
                 m = own(maps, i, slot)
                 m.existence -= p.existence_missed
             explained[slot] = -1
-            if m.existence < p.existence_floor:
+            if m.existence < p.existence_floor or m.type_log_odds < REFUTED:
                 drop(maps, i, slot)
+
+
+@njit
+def mark_explained(explained: Array, candidates: Array, associations: Array) -> None:
+    """Set `explained` (S,) to 1 for every region of a particle that a measurement is of, or may be of.
+
+    A measurement of one region may still be of a rival at the same place; one of none, of all that it could be of.
+    """
+    for z in range(len(associations)):
+        if associations[z].slot >= 0:
+            explained[associations[z].slot] = 1
+    for c in range(len(candidates)):
+        pair = candidates[c]
+        if associations[pair.z].slot < 0 or (not pair.same_type and pair.distance < SAME_PLACE):
+            explained[pair.slot] = 1
 
 
 @njit

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import os
 from collections.abc import Sequence
 
@@ -19,14 +18,19 @@ from slam.checkpoint import (
     settings_to_plain,
 )
 from slam.config import SlamConfig
+from slam.lost import LOST
 from slam.maps import Maps
 from slam.measurement import Scan
 from slam.mixture import moments
 from slam.motion import Odometry
 from slam.particles import PARTICLE, ParticleSet, empty_maps
 from slam.proposal import place, predict
+from slam.region import REGION
+from slam.relocalisation import Search
 from slam.resampling import SCHEMES
 from slam.scan_update import look_up, resample, update_particles
+from slam.turning import observe
+from slam.weights import normalise
 
 NO_VIEW = np.zeros((0, 2))
 
@@ -68,6 +72,8 @@ class RegionSLAM:
         self._known_types: dict[tuple[str, ...], NDArray[np.int64]] = {}
         self._scan_number = 0
         self._ess = float(self.config.n_particles)
+        self._doubt = 0.0
+        self._search: Search | None = None
         return self.belief
 
     def step(self, odometry: Odometry, scan: Scan, pose: ArrayLike | None = None) -> Belief:
@@ -76,20 +82,54 @@ class RegionSLAM:
         With `pose` (x, y, theta) the filter takes that pose as certain and only maps.
         """
         self.predict(odometry)
-        if pose is not None:
-            place(self._set.particles, _checked_pose(pose))
-        return self.update(scan)
+        if pose is None:
+            return self.update(scan)
+        place(self._set.particles, _checked_pose(pose))
+        self._search = None
+        return self._update(scan, watchful=False)
 
     def predict(self, odometry: Odometry) -> None:
         """Move by odometry: p(x_t | x_{t-1}, u_t) of every particle, kept as a Gaussian until the next scan."""
         motion = (odometry.distance, odometry.lateral, odometry.rotation)
-        if not math.isfinite(sum(motion)):
-            raise ValueError(f"odometry is {odometry!r}, expected finite numbers")
         noise = self.config.motion_noise
         predict(self._set.particles, *motion, noise.distance, noise.heading_per_metre, noise.heading_per_radian)
+        if self._search is not None:
+            self._search.predict(odometry, noise)
 
     def update(self, scan: Scan) -> Belief:
         """Update poses and maps with a scan and return the belief."""
+        if self._search is not None:
+            return self._look_around(self._search, scan)
+        return self._update(scan, watchful=self.config.relocalise)
+
+    def relocalise(self) -> Belief:
+        """Take the pose as unknown: from now on the filter is lost, until scans tell where on its map the robot is.
+
+        The map is kept, and nothing is written to it meanwhile. With `SlamConfig(relocalise=True)`, the default, the
+        filter does so itself once scans contradict its map (`slam.lost`).
+        """
+        heaviest = int(np.argmax(self._set.particles["log_weight"]))
+        self._search = Search(self._set.particles, self._set.maps.table[heaviest], self.config.parameters())
+        return self.belief
+
+    def _look_around(self, search: Search, scan: Scan) -> Belief:
+        """Weigh where the robot may be; go on from there once that is clear."""
+        self._scan_number += 1
+        measured = np.zeros((len(scan), 4), REGION)
+        observe(scan.records, self._type_numbers(scan.types), measured)
+        search.update(self._set.maps, measured, NO_VIEW if scan.view is None else scan.view)
+        found = search.found
+        if found is not None:
+            cloud = self._set
+            cloud.gather(np.full(len(cloud.particles), np.argmax(cloud.particles["log_weight"])))
+            for name in ("pose", "cov", "expected", "spread"):
+                cloud.particles[name] = found[name]
+            cloud.particles["log_weight"] = -np.log(len(cloud.particles))
+            self._ess = float(len(cloud.particles))
+            self._doubt, self._search = 0.0, None
+        return self.belief
+
+    def _update(self, scan: Scan, watchful: bool) -> Belief:
         self._resample()  # of the last scan: until now the belief was that of its weighted particles
         self._scan_number += 1
         cloud = self._set
@@ -102,7 +142,7 @@ class RegionSLAM:
             float(self.config.sensor_range),
         )
         cloud.make_room(slots=len(scan), records=records, links=links)
-        self._ess = update_particles(
+        self._ess, doubt = update_particles(
             cloud.particles,
             tuple(cloud.maps),
             measured,
@@ -112,26 +152,34 @@ class RegionSLAM:
             NO_VIEW if scan.view is None else scan.view,
             self._rng.standard_normal((len(cloud.particles), 3)),
             self._scan_number,
+            watchful,
             self._parameters,
         )
+        self._doubt = max(self._doubt + doubt, 0.0)
+        if self._doubt > LOST:
+            return self.relocalise()
         return self.belief
 
     @property
     def belief(self) -> Belief:
         """The present belief."""
-        particles = self._set.particles
+        particles, maps, ess = self._set.particles, self._set.maps, self._ess
+        if self._search is not None:
+            particles, maps = self._search.hypotheses.copy(), self._search.maps(maps)
+            ess = normalise(particles)
         mean, cov = np.empty(3), np.empty((3, 3))
         heaviest = moments(particles, mean, cov)
         return Belief(
             mean,
             cov,
-            self._ess,
+            ess,
             particles["pose"][heaviest].copy(),
             heaviest,
             particles,
-            self._set.maps,
+            maps,
             self._types,
             self.config.confirmed_after,
+            lost=self._search is not None,
         )
 
     def save(self, path: str | os.PathLike[str]) -> None:

@@ -75,6 +75,8 @@ def search(slots: Array, buckets: Array, n_layers: int, x: float, y: float, radi
     """Return the slots whose circles touch a circle about (x, y), in ascending order."""
     found = np.empty(64, np.int64)
     n, width = 0, CELL
+    if (2 * (radius / CELL + 1) + 1) ** 2 > len(slots):
+        return search_all(slots, x, y, radius)  # fewer slots than cells
     for layer in range(n_layers):
         reach = radius + width
         if (2 * reach / width) ** 2 > len(buckets):  # more cells than buckets: every bucket once
@@ -94,6 +96,19 @@ def search(slots: Array, buckets: Array, n_layers: int, x: float, y: float, radi
                     slot = slots[slot].next
         width *= 2
     return np.sort(found[:n])
+
+
+@njit
+def search_all(slots: Array, x: float, y: float, radius: float) -> Any:
+    """Do the same without the grid."""
+    found, n = np.empty(len(slots), np.int64), 0
+    for slot in range(len(slots)):
+        place = slots[slot]
+        dx, dy, reach = place.x - x, place.y - y, place.radius + radius
+        if place.holders > 0 and place.radius >= 0.0 and dx * dx + dy * dy <= reach * reach:
+            found[n] = slot
+            n += 1
+    return found[:n]
 
 
 @njit

@@ -6,14 +6,16 @@ A measurement is a region in the robot's frame, mostly partial: edges where the 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
+from slam.checks import LARGEST, check_records
 from slam.region import EdgeState, Subrectangle
 from slam.rows import Floats
+from slam.se2 import wrap_angles
 
 MEASUREMENT = np.dtype(
     (
@@ -71,6 +73,12 @@ class MeasurementNoise:
     sigma_phi: float = 0.03
     full_size: float = 1.0
 
+    def __post_init__(self) -> None:
+        for name in ("sigma_xy", "sigma_wh", "sigma_phi"):
+            value = getattr(self, name)
+            if not 0 <= value <= LARGEST:
+                raise ValueError(f"{name} is {value!r}, expected a standard deviation of at least 0")
+
     def variance_of_size(self, size: float) -> float:
         """Return the variance (m²) with which a width or height of `size` m is measured."""
         return (self.sigma_wh * min(1.0, size / self.full_size)) ** 2
@@ -80,14 +88,16 @@ class MeasurementNoise:
 class RegionMeasurement:
     """A measured region in the robot's frame, with the fields of Fig. 1.
 
-    Covariances that are not given follow from the filter's `MeasurementNoise`.
+    Covariances that are not given follow from the filter's `MeasurementNoise`. Lengths are finite and at most 1,000 km,
+    standard deviations 1 nm to 1,000 km (1e-9 to 1e6 rad), covariances symmetric and positive definite. What is thinner
+    than 1 cm is mapped as 1 cm.
 
     Parameters
     ----------
     type, confidence
         Semantic type and p(z) in [0, 1].
     x, y, w, h, phi
-        Midpoint (m), size (m) and heading (rad) of the main rectangle.
+        Midpoint (m), size (m, above 0) and heading (rad, any: it is wrapped) of the main rectangle.
     t, b, l, r
         States of its edges; `l` and `r` become SUBRECT where `left` and `right` are given.
     left, right
@@ -139,6 +149,8 @@ class Scan:
         noise: MeasurementNoise | None = None,
     ) -> None:
         noise = noise or MeasurementNoise()
+        if len(measurements) >= MAX_MEASUREMENTS:
+            raise ValueError(f"a scan of {len(measurements)} measurements, expected fewer than {MAX_MEASUREMENTS}")
         self.types = tuple(dict.fromkeys(z.type for z in measurements))
         self.records = np.zeros(len(measurements), MEASUREMENT)
         for i, measurement in enumerate(measurements):
@@ -146,6 +158,8 @@ class Scan:
             _write(self.records[i], measurement, self.types.index(measurement.type), noise)
         links = [(i, j, p) for i, z in enumerate(measurements) for j, p in z.links.items()]
         self.links = np.array(links, LINK)
+        check_records(self.records, self.links, self.types)
+        self.records["phi"] = wrap_angles(self.records["phi"])
         self.view = None if view is None else _checked_view(view)
 
     @classmethod
@@ -156,11 +170,28 @@ class Scan:
         links: NDArray[np.void] | None = None,
         view: NDArray[np.float64] | None = None,
     ) -> Scan:
-        """Wrap arrays of `MEASUREMENT` and `LINK` as they are, unchecked and uncopied: the fast way in."""
+        """Wrap arrays of `MEASUREMENT` and `LINK` as they are, unchecked and uncopied: the fast way in.
+
+        What `check` refuses makes the filter's belief meaningless without a word: call it on records from a source
+        that you do not trust.
+        """
         scan = cls.__new__(cls)
         scan.types, scan.records, scan.view = types, records, view
         scan.links = np.zeros(0, LINK) if links is None else links
         return scan
+
+    def check(self) -> Scan:
+        """Refuse records that no sensor can mean, as the constructor refuses measurements; return the scan itself.
+
+        Raises
+        ------
+        ValueError
+            With the index of the measurement or link, the field, its value and what was expected.
+        """
+        check_records(self.records, self.links, self.types)
+        if self.view is not None:
+            self.view = _checked_view(self.view)
+        return self
 
     def __len__(self) -> int:
         return len(self.records)
@@ -170,47 +201,40 @@ _SCALARS = ("x", "y", "w", "h", "phi", "confidence")
 
 
 def _check(index: int, z: RegionMeasurement, count: int) -> None:
-    """Refuse what no sensor can mean, naming the measurement, the field and the value."""
+    """Refuse what a record cannot even hold; `check_records` sees to the rest."""
 
     def refuse(name: str, value: object, expected: str) -> None:
         raise ValueError(f"measurement {index} ({z.type!r}): {name} is {value!r}, expected {expected}")
 
-    for name in _SCALARS:
-        if not np.isfinite(getattr(z, name)):
-            refuse(name, getattr(z, name), "a finite number")
-    for side, rectangle in (("", z), ("left.", z.left), ("right.", z.right)):
-        if rectangle is None:
-            continue
-        for name in ("w", "h"):
-            if not getattr(rectangle, name) > 0:
-                refuse(side + name, getattr(rectangle, name), "a size above 0")
-        if isinstance(rectangle, Subrectangle) and not np.isfinite(rectangle.y):
-            refuse(side + "y", rectangle.y, "a finite number")
-    if not 0 <= z.confidence <= 1:
-        refuse("confidence", z.confidence, "a probability in [0, 1]")
-    for name in ("t", "b"):
-        if getattr(z, name) == EdgeState.SUBRECT:
-            refuse(name, "SUBRECT", "OPEN or CLOSED: subrectangles lie left and right")
+    kind: object = z.type
+    if not isinstance(kind, str):
+        refuse("type", kind, "a text")
+    for side, part in (("", z), ("left.", z.left), ("right.", z.right)):
+        for name in ("x", "y", "w", "h", "phi", "confidence", "var_phi", "var_y"):
+            value = getattr(part, name, None)
+            if value is not None and not _is_numeric(value, ()):
+                refuse(side + name, value, "a number")
+        for name in ("cov_xy", "cov_wh"):
+            value = getattr(part, name, None)
+            if value is not None and not _is_numeric(value, (2, 2)):
+                refuse(side + name, value, "a symmetric positive definite 2 x 2 matrix")
+        # Zero means not told; then the noise that the scan is given counts.
+        if isinstance(part, Subrectangle) and not part.var_y >= 0:
+            refuse(side + "var_y", part.var_y, "a variance above 0, or 0 for not told")
     for name, sub in (("l", z.left), ("r", z.right)):
         if getattr(z, name) == EdgeState.SUBRECT and sub is None:
             refuse(name, "SUBRECT", "a subrectangle on that side")
-    for name in ("cov_xy", "cov_wh"):
-        cov = getattr(z, name)
-        if cov is not None and not _is_covariance(np.asarray(cov, float)):
-            refuse(name, cov, "a symmetric positive definite 2 x 2 matrix")
-    if z.var_phi is not None and not (np.isfinite(z.var_phi) and z.var_phi > 0):
-        refuse("var_phi", z.var_phi, "a variance above 0")
-    for target, confidence in z.links.items():
-        if not 0 <= target < count or target == index:
+    targets: Iterable[object] = z.links
+    for target in targets:
+        if isinstance(target, bool) or not isinstance(target, int | np.integer):
             refuse("links", target, f"the index of another of the scan's {count} measurements")
-        if not 0 <= confidence <= 1:
-            refuse(f"links[{target}]", confidence, "a probability in [0, 1]")
 
 
-def _is_covariance(cov: Floats) -> bool:
-    if cov.shape != (2, 2) or not np.all(np.isfinite(cov)) or not np.allclose(cov, cov.T):
+def _is_numeric(value: object, shape: tuple[int, ...]) -> bool:
+    try:
+        return np.asarray(value, dtype=np.float64).shape == shape
+    except (TypeError, ValueError):
         return False
-    return bool(cov[0, 0] > 0 and np.linalg.det(cov) > 0)
 
 
 def _checked_view(view: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -223,6 +247,10 @@ def _checked_view(view: NDArray[np.float64]) -> NDArray[np.float64]:
     area = float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)) / 2)
     if not area > 0:
         raise ValueError(f"view has a signed area of {area} m², expected a counter-clockwise polygon")
+    open_sector = not view[0].any()  # the robot itself comes first: the last point and the first need not meet
+    turns = (x * np.roll(y, -1) - y * np.roll(x, -1))[: len(view) - open_sector]
+    if turns.min() < -1e-6 * np.abs(view).max() ** 2:
+        raise ValueError(f"view turns back at point {int(np.argmin(turns))}, expected points in order of their angle")
     return view
 
 

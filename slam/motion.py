@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+LARGEST = 1e6
+"""Largest motion (m, rad) in one step, and largest variance of a noise."""
+
 
 @dataclass(frozen=True)
 class Odometry:
@@ -20,6 +23,14 @@ class Odometry:
     distance: float
     lateral: float = 0.0
     rotation: float = 0.0
+
+    def __post_init__(self) -> None:
+        try:
+            if abs(self.distance) <= LARGEST and abs(self.lateral) <= LARGEST and abs(self.rotation) <= LARGEST:
+                return
+        except TypeError:
+            pass
+        raise ValueError(f"odometry is {self!r}, expected finite numbers of at most {LARGEST:g}")
 
 
 @dataclass(frozen=True)
@@ -39,3 +50,9 @@ class MotionNoise:
     distance: float = 0.0009
     heading_per_metre: float = 0.0001
     heading_per_radian: float = 0.0009
+
+    def __post_init__(self) -> None:
+        for name in ("distance", "heading_per_metre", "heading_per_radian"):
+            value = getattr(self, name)
+            if not 0 <= value <= LARGEST:
+                raise ValueError(f"motion noise: {name} is {value!r}, expected a variance of at least 0")

@@ -13,6 +13,7 @@ from slam.duplicates import resolve_duplicates
 from slam.existence import update_existence
 from slam.geometric_update import update_geometry
 from slam.jit import Array, njit
+from slam.lost import contradiction
 from slam.maps import Maps, gather
 from slam.near import demand, find_near
 from slam.proposal import draw, propose
@@ -55,9 +56,13 @@ def update_particles(
     view: Array,
     normals: Array,
     scan_number: int,
+    watchful: bool,
     parameters: tuple[Any, ...],
-) -> float:
-    """Take one scan through the filter, section III of the paper; return the effective sample size."""
+) -> tuple[float, float]:
+    """Take one scan through the filter, section III of the paper; return the effective sample size and `contradiction`.
+
+    Where the filter is `watchful`, a scan that contradicts the map is not written to it.
+    """
     n, maps, p = len(measured), Maps(*arrays), Parameters(*parameters)
     associations = np.empty((len(particles), n), ASSOCIATION)
     candidates = np.empty((len(particles), n * CANDIDATES_PER_MEASUREMENT), CANDIDATE)
@@ -66,12 +71,17 @@ def update_particles(
     associate(particles, maps, near, n_near, measured, p, associations, candidates, n_candidates)
     propose(particles, maps, measured, associations, p)
     draw(particles, normals)
+    doubt = 0.0
+    if watchful:
+        doubt = contradiction(particles, maps, near, n_near, associations, candidates, n_candidates, view, p)
+    if doubt > 0.0:
+        return normalise(particles), doubt
     update_semantics(particles, maps, near, n_near, measured, candidates, n_candidates, p)
     update_geometry(particles, maps, near, n_near, measured, associations, scan_number, p)
     update_topology(maps, associations, relations, p)
     update_existence(particles, maps, near, n_near, associations, candidates, n_candidates, view, p)
     resolve_duplicates(maps, near, n_near, associations, scan_number, p)
-    return normalise(particles)
+    return normalise(particles), doubt
 
 
 @njit

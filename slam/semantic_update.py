@@ -15,11 +15,11 @@ from slam.turning import turn
 LIMIT = 10.0
 """Log-odds are clamped to ±LIMIT, so that a belief can always be revised."""
 
-OPPOSING_GATE = 25.0
+SAME_PLACE = 25.0
 """Squared Mahalanobis distance below which a measurement of another type can be of the same place."""
 
 OPPOSING_COVER = 0.5
-"""Share of a region that it must cover to be."""
+"""Share of a region that a measurement of another type must cover to be one of the same place."""
 
 
 @njit
@@ -56,7 +56,7 @@ def update_semantics(
                     m = turned[0]
                 column = 0 if pair.same_type else 2
                 share, covered = covered_share(z, m, pair.offset, particles[i].pose)
-                opposes = pair.distance < OPPOSING_GATE and covered > OPPOSING_COVER * area(m)
+                opposes = pair.distance < SAME_PLACE and covered > OPPOSING_COVER * area(m)
                 if share > 0.0 and (pair.same_type or opposes):
                     evidence[place[pair.slot], column] += z.confidence * share
                     evidence[place[pair.slot], column + 1] += 1

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from slam.association import AMBIGUOUS, NEW
+from slam.association import AMBIGUOUS, CANDIDATES_PER_MEASUREMENT, NEW
 from slam.config import SlamConfig
 from slam.geometric_update import fuse
 from slam.innovation import workspace
@@ -172,3 +172,29 @@ def test_a_glimpse_begins_no_region() -> None:
     assert slots(measured(seen(3, r=OPEN, **patch))) == [AMBIGUOUS]
     assert slots(measured(seen(3, **patch))) == [NEW]
     assert slots(measured(seen(3, l=OPEN, b=OPEN, r=OPEN))) == [NEW]
+
+
+def settled(m: np.record, log_odds: float = 2.0) -> np.record:
+    m.type, m.type_log_odds = 1, log_odds
+    return m
+
+
+def test_a_place_whose_type_is_settled_gets_no_hypothesis_of_another_one() -> None:
+    """Regions of type 1, measurements of type 0: whole, half, and of half the place."""
+    whole, half = seen(0.0), seen(-1.0, w=2.0, r=OPEN)
+    assert slots(measured(whole), settled(room())) == [AMBIGUOUS]
+    assert slots(measured(half), settled(mapped([0.0, -2, 8, -1.5, 1.5], (0, 0), TINY))) == [AMBIGUOUS]
+    assert slots(measured(whole), settled(room(), 1.0)) == [NEW]
+
+
+def test_a_desk_in_a_settled_office_and_a_room_beside_it_are_new() -> None:
+    desk, beside = seen(0.5, 0.5, w=1.6, h=0.8), seen(4.0)
+    assert slots(measured(desk, beside), settled(room())) == [NEW, NEW]
+
+
+def test_of_many_candidates_the_most_likely_are_kept() -> None:
+    """Fifteen regions could be the measured one, the right one coming last; a second one has candidates as well."""
+    crowd = [room(0.02 * k) for k in range(15)]
+    links, _, n = associated(particles(), maps(*crowd, room(9.0), slots=16), measured(seen(0.28), seen(9.0)))
+    assert n[0] == CANDIDATES_PER_MEASUREMENT + 1
+    assert links["slot"][0].tolist() == [14, 15]

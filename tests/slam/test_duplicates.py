@@ -69,16 +69,33 @@ def test_two_regions_of_one_scan_are_two() -> None:
     assert regions["n"][0, :2].tolist() == [1, 1]
 
 
+def contradicting(*sightings: int) -> np.ndarray:
+    """Twins off by more than their covariances allow: an older one with two open edges, and a closed one."""
+    regions = maps(mapped(ROOM, (0, 0), 1e-5, open_edges=[2, 4]), mapped(ROOM, (0.8, 0.3), 1e-5))
+    regions["sightings"][0, :2] = sightings
+    return regions
+
+
 def test_twins_that_contradict_each_other_become_one_all_the_same() -> None:
     """Drift between two visits: metres decide, and the richer geometry is kept under the older identity."""
-    poor = mapped(ROOM, (0, 0), 1e-5, open_edges=[2, 4])
-    regions = maps(poor, mapped(ROOM, (0.8, 0.3), 1e-5))
+    regions = contradicting(3, 4)
     resolve(regions, 0)
     assert regions["n"][0, :2].tolist() == [1, 0]
     m = regions[0, 0]
-    assert m.id == 100
+    assert (m.id, m.sightings) == (100, 4)  # sightings of the other one do not count for it
     np.testing.assert_allclose(m.anchor, [0.8, 0.3])
     assert m.closed[:5].all()
+
+
+@pytest.mark.parametrize(("sightings", "kept"), [((1, 4), 1), ((4, 1), 0), ((1, 1), 0)])
+def test_of_contradicting_twins_a_confirmed_one_is_kept_else_the_one_just_seen(
+    sightings: tuple[int, int], kept: int
+) -> None:
+    """An invented region inside a real one must not take its place for having all edges closed."""
+    regions = contradicting(*sightings)
+    resolve(regions, 0)
+    assert regions["n"][0, :2].tolist() == [1, 0]
+    np.testing.assert_allclose(regions[0, 0].anchor, [(0, 0), (0.8, 0.3)][kept])
 
 
 def test_regions_that_overlap_by_noise_stay() -> None:
@@ -113,15 +130,6 @@ def test_the_lead_can_change() -> None:
     regions["type_log_odds"][0, :2] = 1.0, 2.0
     resolve(regions, 1)
     assert regions["rival"][0, :2].tolist() == [1, -1]
-
-
-def test_an_outdone_hypothesis_is_dropped_in_the_end() -> None:
-    regions = hypotheses(4.0, -3.5)
-    resolve(regions, 0)
-    assert regions["n"][0, :2].tolist() == [1, 0]
-    alone = hypotheses(-3.5)
-    resolve(alone, 0)
-    assert alone["n"][0, 0] == 1
 
 
 def test_a_rival_that_is_gone_is_forgotten() -> None:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from slam.config import SlamConfig
-from slam.existence import is_expected, update_existence
+from slam.existence import REFUTED, is_expected, update_existence
 from slam.fastslam import RegionSLAM
 from slam.measurement import RegionMeasurement, Scan
 from slam.motion import Odometry
@@ -46,7 +46,7 @@ def test_existence_by_hand() -> None:
     regions = maps(
         mapped(TABLE, (3, 0), cov=1e-4), mapped(TABLE, (0, 2.5), cov=1e-4), mapped(TABLE, (-40, 0), cov=1e-4)
     )
-    regions["existence"] = 1.0
+    regions["existence"], regions["sightings"] = 1.0, 2
     update(regions, measured(RegionMeasurement("office", 3, 0, 1, 1)), WIDE)
     assert regions["existence"][0, :3].tolist() == [1.0 + P.existence_seen, 1.0 - P.existence_missed, 1.0]
     update(regions, measured(RegionMeasurement("office", 3, 0, 1, 1)), np.zeros((0, 2)))
@@ -54,6 +54,29 @@ def test_existence_by_hand() -> None:
     for _ in range(20):
         update(regions, measured(RegionMeasurement("office", 3, 0, 1, 1)), np.zeros((0, 2)))
     assert regions["existence"][0, 0] == P.existence_ceiling
+
+
+def test_a_scan_that_explains_no_region_refutes_none() -> None:
+    """The sensor is blind, or the robot elsewhere; a region born in this scan does not speak against that."""
+    regions = maps(mapped(TABLE, (3, 0), cov=1e-4))
+    regions["existence"] = 1.0
+    update(regions, measured(), WIDE)
+    assert regions["existence"][0, 0] == 1.0
+
+
+def test_a_refuted_type_is_dropped() -> None:
+    regions = maps(mapped(TABLE, (3, 0), cov=1e-4), mapped(TABLE, (0, 3), cov=1e-4))
+    regions["type_log_odds"][0, :2] = REFUTED - 0.1, REFUTED + 0.1
+    update(regions, measured(), WIDE)
+    assert regions["n"][0, :2].tolist() == [0, 1]
+
+
+def test_a_measurement_of_another_region_of_the_type_explains_nothing() -> None:
+    """An invented table half a metre beside a real one, which is measured."""
+    regions = maps(mapped(TABLE, (3, 0), cov=1e-4), mapped(TABLE, (3, 0.5), cov=1e-4))
+    regions["sightings"] = 2
+    update(regions, measured(RegionMeasurement("office", 3, 0, 1, 1)), WIDE)
+    assert regions["existence"][0, 1] == -P.existence_missed
 
 
 def test_another_type_at_the_place_is_no_sign_of_absence() -> None:
