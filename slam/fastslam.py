@@ -19,6 +19,7 @@ from slam.checkpoint import (
     settings_to_plain,
 )
 from slam.config import SlamConfig
+from slam.joint import JointPosterior
 from slam.maps import Maps
 from slam.measurement import Scan
 from slam.mixture import moments
@@ -62,12 +63,14 @@ class RegionSLAM:
 
     def reset(self, pose: ArrayLike = (0.0, 0.0, 0.0)) -> Belief:
         """Forget the map and start at a pose (x, y, theta) that is certain; return the belief."""
-        self._set = ParticleSet.at(_checked_pose(pose), self.config.n_particles)
+        start, n = _checked_pose(pose), self.config.n_particles
+        self._joint = JointPosterior.at(start, n) if self.config.posterior == "joint" else None
+        self._set = ParticleSet.at(start, n) if self._joint is None else self._joint.cloud
         self._types: list[str] = []
         self._type_index: dict[str, int] = {}
         self._known_types: dict[tuple[str, ...], NDArray[np.int64]] = {}
         self._scan_number = 0
-        self._ess = float(self.config.n_particles)
+        self._ess = float(len(self._set.particles))
         return self.belief
 
     def step(self, odometry: Odometry, scan: Scan, pose: ArrayLike | None = None) -> Belief:
@@ -77,7 +80,11 @@ class RegionSLAM:
         """
         self.predict(odometry)
         if pose is not None:
-            place(self._set.particles, _checked_pose(pose))
+            checked = _checked_pose(pose)
+            if self._joint is None:
+                place(self._set.particles, checked)
+            else:
+                self._joint.place(checked)
         return self.update(scan)
 
     def predict(self, odometry: Odometry) -> None:
@@ -86,11 +93,15 @@ class RegionSLAM:
         if not math.isfinite(sum(motion)):
             raise ValueError(f"odometry is {odometry!r}, expected finite numbers")
         noise = self.config.motion_noise
+        if self._joint is not None:
+            self._joint.predict(motion, noise)
+            return
         predict(self._set.particles, *motion, noise.distance, noise.heading_per_metre, noise.heading_per_radian)
 
     def update(self, scan: Scan) -> Belief:
         """Update poses and maps with a scan and return the belief."""
-        self._resample()  # of the last scan: until now the belief was that of its weighted particles
+        if self._joint is None:
+            self._resample()  # of the last scan: until now the belief was that of its weighted particles
         self._scan_number += 1
         cloud = self._set
         measured, relations, near, n_near, (records, links) = look_up(
@@ -101,6 +112,11 @@ class RegionSLAM:
             scan.links,
             float(self.config.sensor_range),
         )
+        view = NO_VIEW if scan.view is None else scan.view
+        if self._joint is not None:
+            parameters = self.config.parameters()
+            self._ess = self._joint.update(measured, relations, near, n_near, view, self._scan_number, parameters)
+            return self.belief
         cloud.make_room(slots=len(scan), records=records, links=links)
         self._ess = update_particles(
             cloud.particles,
@@ -109,7 +125,7 @@ class RegionSLAM:
             relations,
             near,
             n_near,
-            NO_VIEW if scan.view is None else scan.view,
+            view,
             self._rng.standard_normal((len(cloud.particles), 3)),
             self._scan_number,
             self._parameters,
@@ -146,7 +162,9 @@ class RegionSLAM:
             "scan_number": self._scan_number,
             "ess": self._ess,
         }
-        save_checkpoint(path, about, {"particles": self._set.particles, **self._set.maps._asdict()})
+        gaussians = {} if self._joint is None else self._joint.to_arrays()
+        arrays = {"particles": self._set.particles, **self._set.maps._asdict(), **gaussians}
+        save_checkpoint(path, about, arrays)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> RegionSLAM:
@@ -161,6 +179,8 @@ class RegionSLAM:
         loaded = cls(settings_from_plain(about["config"]), generator_from_plain(about["generator"]))
         maps = Maps(**{name: arrays[name] for name in Maps._fields})
         loaded._set = ParticleSet(arrays["particles"], maps)
+        if loaded._joint is not None:
+            loaded._joint = JointPosterior.from_arrays(loaded._set, loaded.config.n_particles, arrays)
         loaded._types = about["types"]
         loaded._type_index = {name: index for index, name in enumerate(loaded._types)}
         loaded._scan_number, loaded._ess = about["scan_number"], about["ess"]
