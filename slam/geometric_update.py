@@ -75,9 +75,7 @@ def update_geometry(
 
 
 @njit
-def begin(
-    maps: Record, particle: int, born: Array, j: int, z: Record, pose: Array, scan_number: int, p: Record
-) -> int:
+def begin(maps: Record, particle: int, born: Array, j: int, z: Record, pose: Array, scan_number: int, p: Record) -> int:
     """Add the region that measurement j of this scan begins to a particle's map; return its slot.
 
     `born` (M,) holds the slots of the scan's new regions, -1 where no particle has begun it yet.

@@ -174,7 +174,9 @@ def lay_over(joint: Record, maps: Record, particle: int, younger: int, older: in
 
 
 @njit
-def take_over(joint: Record, maps: Record, particle: int, younger: int, older: int, offset: int, rows: Record) -> int:
+def take_over(
+    joint: Record, maps: Record, particle: int, younger: int, older: int, offset: int, p: Record, rows: Record
+) -> int:
     """Give the older twin what only the younger has, and write the rows of their common edges anew."""
     a, b = own(maps, particle, younger), own(maps, particle, older)
     write_marginal(joint, younger, a, p.tolerance)
