@@ -19,8 +19,8 @@ from slam.rows import Floats
 POSE = 3
 """Entries of the pose."""
 
-FLAT = 1e4
-"""Variance (m², rad²) of an entry about which nothing is known yet."""
+FLAT = 1e6
+"""Variance of an entry about which nothing is known yet, in variances of what is about to settle it."""
 
 APART = 0.01
 """Share of its variance that each of several edges on one line has to itself."""
@@ -90,15 +90,15 @@ def _grown(array: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
 
 
 @njit
-def allocate(joint: Record, mean: float) -> Any:
-    """Return the place of a new entry about which nothing is known; the caller has made room."""
+def allocate(joint: Record, mean: float, variance: float) -> Any:
+    """Return the place of a new entry that correlates with nothing yet; the caller has made room."""
     if joint.counts[RELEASED] > 0:
         joint.counts[RELEASED] -= 1
         place = joint.released[joint.counts[RELEASED]]
     else:
         place = joint.counts[USED]
         joint.counts[USED] += 1
-    joint.mean[place], joint.cov[place, place] = mean, FLAT
+    joint.mean[place], joint.cov[place, place] = mean, variance
     return place
 
 
@@ -134,8 +134,8 @@ def negate(joint: Record, place: int) -> None:
 @njit
 def duplicate(joint: Record, place: int) -> Any:
     """Return the place of a new entry that equals another one up to a share of its variance."""
-    copy = allocate(joint, joint.mean[place])
     variance = (1 + APART) * joint.cov[place, place]
+    copy = allocate(joint, joint.mean[place], variance)
     for a in range(joint.counts[USED]):
         joint.cov[copy, a] = joint.cov[a, copy] = joint.cov[place, a]
     joint.cov[copy, copy] = variance

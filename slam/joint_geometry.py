@@ -13,12 +13,12 @@ import numpy as np
 from slam.association import NEW
 from slam.comparison import CANDIDATE
 from slam.duplicates import agree, inherit
-from slam.edge_form import FLAT_VARIANCE, bounding_radius, state_size
+from slam.edge_form import bounding_radius, state_size
 from slam.geometric_update import begin, settle_open_edges
 from slam.growth import LEAST_SIZE, forget_edge, grow, keep_order, take_row
 from slam.innovation import n_closed, workspace, wrap
 from slam.jit import Array, Record, njit
-from slam.joint_gaussian import POSE, JointGaussian, follow_shift, follow_turn, marginalise, release
+from slam.joint_gaussian import FLAT, POSE, JointGaussian, follow_shift, follow_turn, marginalise, release
 from slam.joint_rows import relative_covariance, write_rows, write_twin_rows
 from slam.joint_update import Rows, condition
 from slam.maps import Maps, cover, drop, own, region_of
@@ -124,7 +124,7 @@ def write_marginal(joint: Record, slot: int, m: Record, tolerance: float) -> Non
     size = state_size(m.n)
     for a in range(size):
         if entries[a] < 0:
-            forget_edge(m, a, m.cov[a, a] if m.cov[a, a] > 0.0 else FLAT_VARIANCE)
+            forget_edge(m, a, m.cov[a, a] if m.cov[a, a] > 0.0 else FLAT)
     for a in range(size):
         if entries[a] >= 0:
             m.state[a] = joint.mean[entries[a]]
@@ -170,7 +170,7 @@ def lay_over(joint: Record, maps: Record, particle: int, younger: int, older: in
     chosen = candidate[0]
     describe_anew(joint, younger, a, chosen.turn, scratch[4])
     describe_anew(joint, older, b, chosen.turn_map, scratch[4])
-    return write_twin_rows(a, b, chosen.offset, joint, younger, older, rows), chosen.offset
+    return write_twin_rows(a, b, chosen.offset, joint, younger, older, p.tolerance, rows), chosen.offset
 
 
 @njit
@@ -183,7 +183,7 @@ def take_over(
     write_marginal(joint, older, b, p.tolerance)
     pose = np.array([a.anchor[0], a.anchor[1], 0.0])
     offset = widen(joint, older, a, b, offset, pose, p.tolerance)
-    return write_twin_rows(a, b, offset, joint, younger, older, rows)
+    return write_twin_rows(a, b, offset, joint, younger, older, p.tolerance, rows)
 
 
 @njit

@@ -22,11 +22,11 @@ import numpy as np
 
 from slam.innovation import wrap
 from slam.jit import Array, Record, njit
-from slam.joint_gaussian import POSE, allocate
+from slam.joint_gaussian import FLAT, POSE, allocate
 from slam.region import MAX_STATE, b_index, is_u, u_index
 
-SAME_EDGE, SAME_HEADING = 0.01**2, 0.001**2
-"""Variances (m², rad²) with which two descriptions of one region agree: what linearisation costs."""
+SAME_EDGE, SAME_HEADING = 0.1, 0.001
+"""Standard deviations, in tolerances and rad, with which twins agree on a line: what linearisation costs."""
 
 
 @njit
@@ -66,40 +66,48 @@ def write_rows(z: Record, m: Record, offset: int, joint: Record, slot: int, firs
     mid_u, mid_v = midpoint(z)
     u = np.cos(turned) * mid_u + np.sin(turned) * mid_v
     v = np.cos(turned) * mid_v - np.sin(turned) * mid_u
-    lever = np.zeros(n)  # of phi_z in rho, taken out of the noise
+    write_noise(z, in_z[:n], mid_u, mid_v, first, rows.noise)
     for k in range(n):
         i, j, row = in_z[k], in_m[k], first + k
+        value = _value(joint, entries, m, j)
         if k == 0:
             r, coefficients = -turned, (0.0, 0.0, -1.0, 1.0, 0.0)
         elif is_u(j):
-            r, coefficients = z.state[i] + (u - mid_u) - pu - _value(joint, entries, m, j), (-c, -s, v, pv - v, 1.0)
-            lever[k] = mid_v
+            r, coefficients = z.state[i] + (u - mid_u) - pu - value, (-c, -s, v, pv - v, 1.0)
         else:
-            r, coefficients = z.state[i] + (v - mid_v) - pv - _value(joint, entries, m, j), (s, -c, -u, u - pu, 1.0)
-            lever[k] = -mid_u
+            r, coefficients = z.state[i] + (v - mid_v) - pv - value, (s, -c, -u, u - pu, 1.0)
         rows.fresh[row] = entries[j] < 0
         if entries[j] < 0:
-            entries[j] = allocate(joint, _value(joint, entries, m, j) + r)
+            entries[j] = allocate(joint, value + r, FLAT * rows.noise[row, row])
             r = 0.0
         rows.residual[row] = r
         rows.places[row, 0], rows.places[row, 1], rows.places[row, 2] = 0, 1, 2
         rows.places[row, 3], rows.places[row, 4] = entries[0], entries[j]
         for t in range(5):
             rows.coefficient[row, t] = coefficients[t]
-    for k in range(n):
-        a = in_z[k]
-        for q in range(n):
-            b = in_z[q]
-            rows.noise[first + k, first + q] = (
-                z.cov[a, b] - lever[k] * z.cov[0, b] - lever[q] * z.cov[a, 0] + lever[k] * lever[q] * z.cov[0, 0]
-            )
     return first + n
 
 
 @njit
+def write_noise(z: Record, in_z: Array, mid_u: float, mid_v: float, first: int, noise: Array) -> None:
+    """Write the covariance of heading and edges of a measurement, the edges' without what they owe to the heading."""
+    n = len(in_z)
+    lever = np.zeros(n)
+    for k in range(1, n):
+        lever[k] = mid_v if is_u(in_z[k]) else -mid_u
+    for k in range(n):
+        a = in_z[k]
+        for q in range(n):
+            b = in_z[q]
+            noise[first + k, first + q] = (
+                z.cov[a, b] - lever[k] * z.cov[0, b] - lever[q] * z.cov[a, 0] + lever[k] * lever[q] * z.cov[0, 0]
+            )
+
+
+@njit
 def write_twin_rows(
-    twin: Record, m: Record, offset: int, joint: Record, twin_slot: int, slot: int, rows: Record
-) -> Any:
+    twin: Record, m: Record, offset: int, joint: Record, twin_slot: int, slot: int, tolerance: float, rows: Record
+) -> int:
     """Write the rows that say that two regions are one; return their number.
 
     The rows are those of `slam.innovation.correspond`, of the twin's edges as seen from its anchor. The terms in the
@@ -127,7 +135,8 @@ def write_twin_rows(
             nx, ny = -s * du - c * dv, c * du - s * dv
         rows.fresh[k] = entries[j] < 0
         if entries[j] < 0:
-            entries[j] = allocate(joint, _value(joint, entries, m, j) + r)
+            variance = joint.cov[twin_entries[i], twin_entries[i]]
+            entries[j] = allocate(joint, _value(joint, entries, m, j) + r, FLAT * variance)
             r = 0.0
         rows.residual[k] = r
         rows.places[k, 0], rows.coefficient[k, 0] = entries[0], lever
@@ -136,7 +145,7 @@ def write_twin_rows(
         for t in range(POSE):
             rows.places[k, 3 + t] = t
         rows.coefficient[k, 3], rows.coefficient[k, 4], rows.coefficient[k, 5] = nx, ny, ny * ax - nx * ay
-        rows.noise[k, k] = SAME_EDGE if k > 0 else SAME_HEADING
+        rows.noise[k, k] = (SAME_EDGE * tolerance) ** 2 if k > 0 else SAME_HEADING**2
     return n
 
 

@@ -27,7 +27,7 @@ def joint_of(
         joint.anchors[slot] = anchors[slot]
         for k, value in enumerate(state):
             if slot > 0 or k not in open_edges:
-                joint.entries[slot, k] = allocate(joint, value)
+                joint.entries[slot, k] = allocate(joint, value, 1.0)
     n = joint.used
     joint.cov[:n, :n] = naive.random_covariance(rng, n, scale)
     return joint

@@ -5,7 +5,6 @@ import pytest
 
 from slam.growth import shift_right
 from slam.joint_gaussian import (
-    FLAT,
     JointGaussian,
     allocate,
     follow_shift,
@@ -26,16 +25,16 @@ NOISE = (0.0009, 0.0001, 0.0009)
 
 def test_entries_are_used_again_and_room_keeps_what_is_there() -> None:
     joint = JointGaussian.at(np.array([1.0, 2.0, 3.0])).with_room(200, 40)
-    places = [allocate(joint, float(k)) for k in range(5)]
+    places = [allocate(joint, float(k), 1.0) for k in range(5)]
     joint.cov[:8, :8] += 0.5
     joint.entries[30, :3] = places[:3]
     before = joint.cov[places[3:], :][:, places[3:]].copy()
     marginalise(joint, 30)
     assert not joint.cov[places[:3]].any() and not joint.cov[:, places[:3]].any()
     np.testing.assert_array_equal(joint.cov[np.ix_(places[3:], places[3:])], before)
-    assert sorted(allocate(joint, 7.0) for _ in range(3)) == places[:3]
+    assert sorted(allocate(joint, 7.0, 2.0) for _ in range(3)) == places[:3]
     assert joint.used == 8
-    assert joint.cov[places[0], places[0]] == FLAT
+    assert joint.cov[places[0], places[0]] == 2.0
     larger = joint.with_room(1000, 100)
     np.testing.assert_array_equal(larger.cov[:8, :8], joint.cov[:8, :8])
     assert (larger.entries[40:] == -1).all()
@@ -80,7 +79,7 @@ def test_a_turned_description_has_the_turned_marginal(n: int, quarters: int) -> 
     found.cov[:] = found.state[:] = 0.0
     follow_turn(joint, 0, m, expected, quarters)
     open_edge = int(np.flatnonzero(expected.closed[: 2 + 3 * n] == 0)[0])
-    found.state[open_edge] = expected.state[open_edge]
+    found.state[open_edge], found.cov[open_edge, open_edge] = expected.state[open_edge], 1e4
     write_marginal(joint, 0, found, 0.1)
     np.testing.assert_allclose(found.cov, expected.cov, atol=1e-12)
     np.testing.assert_allclose(found.state[1:], expected.state[1:], atol=1e-12)

@@ -151,11 +151,11 @@ def test_twins_become_one_region() -> None:
     joint = joint_of(rng, state, other, anchors=anchors, scale=0.03)
     m, twin = mapped(state, anchors[0]), mapped(other, anchors[1])
     rows = Rows.empty(MAX_STATE)
-    count = write_twin_rows(twin, m, 0, joint, 1, 0, rows)
+    count = write_twin_rows(twin, m, 0, joint, 1, 0, 0.01, rows)
     np.testing.assert_allclose(dense(rows.first(count), joint.used) @ motions(joint, (9.0, 1.0)), 0.0, atol=1e-8)
     for _ in range(2):
         condition(joint, rows.first(count))
-        count = write_twin_rows(twin, m, 0, joint, 1, 0, rows)
+        count = write_twin_rows(twin, m, 0, joint, 1, 0, 0.01, rows)
     write_marginal(joint, 0, m, 0.1)
     write_marginal(joint, 1, twin, 0.1)
     seen = naive.seen_from(m.state[:5], anchors[0], (*anchors[1], 0.0))
