@@ -14,6 +14,8 @@ from slam.resampling import SCHEMES
 GEOMETRIC_UPDATES = ("edges", "paper")
 CORRESPONDENCES = ("edges", "paper")
 
+POSTERIORS = ("fastslam2", "joint")
+
 
 @dataclass(frozen=True)
 class SlamConfig:
@@ -22,7 +24,10 @@ class SlamConfig:
     Parameters
     ----------
     n_particles
-        Number of particles.
+        Number of particles; with ``posterior="joint"`` of association hypotheses at most.
+    posterior
+        "fastslam2": particles are drawn trajectories, each with independent regions (section III of the paper).
+        "joint": particles are association hypotheses, each with one Gaussian over pose and regions: slower, calibrated.
     motion_noise, measurement_noise
         What the filter believes of odometry, and of measurements that do not tell their own noise.
     sensor_range
@@ -58,6 +63,7 @@ class SlamConfig:
     """
 
     n_particles: int = 4
+    posterior: str = "fastslam2"
     motion_noise: MotionNoise = field(default_factory=MotionNoise)
     measurement_noise: MeasurementNoise = field(default_factory=MeasurementNoise)
     sensor_range: float = 8.0
@@ -82,6 +88,8 @@ class SlamConfig:
     def __post_init__(self) -> None:
         if not (isinstance(self.n_particles, int) and self.n_particles >= 1):
             raise ValueError(f"n_particles is {self.n_particles!r}, expected an integer of at least 1")
+        if self.posterior not in POSTERIORS:
+            raise ValueError(f"posterior is {self.posterior!r}, expected one of {', '.join(map(repr, POSTERIORS))}")
         for name in ("resample_below", "prior_type", "prior_link", "prior_child", "link_unseen"):
             value = getattr(self, name)
             if not 0 < value <= 1 or (value == 1 and name != "resample_below"):
@@ -96,6 +104,8 @@ class SlamConfig:
         if self.geometric_update not in GEOMETRIC_UPDATES:
             known = " or ".join(map(repr, GEOMETRIC_UPDATES))
             raise ValueError(f"geometric_update is {self.geometric_update!r}, expected {known}")
+        if self.posterior == "joint" and self.geometric_update == "paper":
+            raise ValueError("geometric_update is 'paper', expected 'edges' with posterior 'joint'")
         if not (np.isfinite(self.sensor_range) and self.sensor_range > 0):
             raise ValueError(f"sensor_range is {self.sensor_range!r}, expected a length above 0 m")
         if not (np.isfinite(self._tolerance) and self._tolerance > 0):

@@ -28,40 +28,56 @@ TWIN_OVERLAP = 0.5
 def resolve_duplicates(
     maps: Record, near: Array, n_near: Array, associations: Array, scan_number: int, p: Record
 ) -> None:
-    """Compare a region just measured with its neighbours; merge twins and rank rivals.
+    """Compare a region just measured with its neighbours; merge twins and rank rivals."""
+    work = workspace(p.tolerance)
+    scratch, candidate, stand = np.zeros(5, REGION), np.zeros(1, CANDIDATE), np.zeros(1, PARTICLE)
+    for i in range(len(associations)):
+        for younger, older in find_twins(maps, i, near, n_near, associations, scan_number, p):
+            kept = own(maps, i, older)
+            merge(region_of(maps, i, younger), kept, p, work, scratch, candidate[0], stand[0])
+            cover(maps, older, kept)
+            drop(maps, i, younger)
+        settle_rivals(maps, i, near, n_near, p)
+
+
+@njit
+def find_twins(
+    maps: Record, i: int, near: Array, n_near: Array, associations: Array, scan_number: int, p: Record
+) -> Any:
+    """Compare a region just measured with its neighbours; rank rivals and return twins, (younger, older) slots (k, 2).
 
     Each scan looks at one of its regions in turn: duplicates need no answer within a tenth of a second.
     """
+    twins, n, margin = np.empty((n_near[i], 2), np.int64), 0, MARGIN * p.tolerance
     if associations.shape[1] == 0:
-        return
-    work, margin = workspace(p.tolerance), MARGIN * p.tolerance
-    scratch, candidate, stand = np.zeros(5, REGION), np.zeros(1, CANDIDATE), np.zeros(1, PARTICLE)
-    chosen = scan_number % associations.shape[1]
-    for i in range(len(associations)):
-        slot = associations[i, chosen].slot
-        if slot < 0 or maps.table[i, slot] < 0:
+        return twins[:0]
+    slot = associations[i, scan_number % associations.shape[1]].slot
+    if slot < 0 or maps.table[i, slot] < 0:
+        return twins[:0]
+    for j in range(n_near[i]):
+        other = near[i, j]
+        if other == slot or maps.table[i, other] < 0:
             continue
-        for j in range(n_near[i]):
-            other = near[i, j]
-            if other == slot or maps.table[i, other] < 0:
-                continue
-            a, b = region_of(maps, i, slot), region_of(maps, i, other)
-            if not share_place(a, b, margin):
-                continue
-            if a.type != b.type:
-                if are_rivals(a, b, margin):
-                    rank(maps, i, slot, other)
-            elif b.last_seen != scan_number and are_twins(a, b, margin):
-                # Two regions of one scan are two regions, so only an unseen one can be the twin.
-                older, younger = (slot, other) if a.id < b.id else (other, slot)
-                kept = own(maps, i, older)
-                merge(region_of(maps, i, younger), kept, p, work, scratch, candidate[0], stand[0])
-                cover(maps, older, kept)
-                drop(maps, i, younger)
-                if younger == slot:
-                    break
-        for j in range(n_near[i]):
-            settle_rivalry(maps, i, near[i, j], margin)
+        a, b = region_of(maps, i, slot), region_of(maps, i, other)
+        if not share_place(a, b, margin):
+            continue
+        if a.type != b.type:
+            if are_rivals(a, b, margin):
+                rank(maps, i, slot, other)
+        elif b.last_seen != scan_number and are_twins(a, b, margin):
+            # Two regions of one scan are two regions, so only an unseen one can be the twin.
+            twins[n] = (other, slot) if a.id < b.id else (slot, other)
+            n += 1
+            if b.id < a.id:
+                break
+    return twins[:n]
+
+
+@njit
+def settle_rivals(maps: Record, particle: int, near: Array, n_near: Array, p: Record) -> None:
+    """Settle the rivalries of all regions nearby."""
+    for j in range(n_near[particle]):
+        settle_rivalry(maps, particle, near[particle, j], MARGIN * p.tolerance)
 
 
 @njit
@@ -137,6 +153,23 @@ def merge(
     Given the trajectory the two estimates are independent, so the younger one is taken as a measurement made from its
     anchor. If they contradict each other, only one of them is there, and it alone counts.
     """
+    if agree(younger, older, p, work, descriptions, candidate, stand):
+        if candidate.turn_map:
+            turn(older, 1, descriptions[4])
+            take_row(descriptions[4], older)
+        fuse_as_set(descriptions[candidate.turn], older, candidate.offset, stand.pose, work, p)
+        join(younger, older)
+    elif outranks(younger, older, p):
+        take_row(younger, older)
+        supplant(younger, older)
+    inherit(younger, older)
+
+
+@njit
+def agree(
+    younger: Record, older: Record, p: Record, work: Record, descriptions: Record, candidate: Record, stand: Record
+) -> bool:
+    """Write how the younger of two twins, measured from its anchor, describes the older; say whether they agree."""
     stand.pose[0], stand.pose[1], stand.pose[2] = younger.anchor[0], younger.anchor[1], 0.0
     for quarters in range(4):
         turn(younger, quarters, descriptions[quarters])
@@ -144,20 +177,29 @@ def merge(
             if descriptions[quarters].closed[k] == 0 and not p.paper_update:
                 descriptions[quarters].cov[k, k] = 0.0
     alike = compare(descriptions, older, stand, p, work, descriptions[4], candidate)
-    if alike and candidate.distance < p.gate_associate:
-        if candidate.turn_map:
-            turn(older, 1, descriptions[4])
-            take_row(descriptions[4], older)
-        fuse_as_set(descriptions[candidate.turn], older, candidate.offset, stand.pose, work, p)
-        older.sightings += younger.sightings
-        older.existence = max(older.existence, younger.existence)
-        older.type_log_odds = max(older.type_log_odds, younger.type_log_odds)
-    elif outranks(younger, older, p):
-        take_row(younger, older)
-        older.sightings, older.existence = younger.sightings, younger.existence
-        older.type_log_odds = younger.type_log_odds
+    return alike and candidate.distance < p.gate_associate
+
+
+@njit
+def inherit(younger: Record, older: Record) -> None:
+    """Give the older of two twins what is true of the younger in any case."""
     older.last_seen = max(older.last_seen, younger.last_seen)
     older.visited = max(older.visited, younger.visited)
+
+
+@njit
+def join(younger: Record, older: Record) -> None:
+    """Count the sightings and the evidence of two twins that agree together."""
+    older.sightings += younger.sightings
+    older.existence = max(older.existence, younger.existence)
+    older.type_log_odds = max(older.type_log_odds, younger.type_log_odds)
+
+
+@njit
+def supplant(younger: Record, older: Record) -> None:
+    """Let only the sightings and the evidence of the younger count."""
+    older.sightings, older.existence = younger.sightings, younger.existence
+    older.type_log_odds = younger.type_log_odds
 
 
 @njit

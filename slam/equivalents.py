@@ -137,7 +137,7 @@ def _described(
         bounds, rectangles = [-v for v in bounds[::-1]], rectangles[::-1]
         order = (order[1], order[0], order[3], order[2])
     main = n // 2 if n != 2 else _main_of_two(row, axis, u, half)
-    states = {}
+    states: dict[str, EdgeState] = {}
     for place, i in enumerate(rectangles):
         side = "" if place == main else "lr"[place > main]
         left, right, bottom, top = (EdgeState(int(closed[i, k])) for k in order)

@@ -1,4 +1,4 @@
-"""Region-based FastSLAM 2.0 (Oberländer et al. 2008, section III; Montemerlo et al. 2003)."""
+"""Region-based FastSLAM 2.0 (Oberländer et al. 2008, section III; Montemerlo et al. 2003), and its joint relative."""
 
 from __future__ import annotations
 
@@ -18,23 +18,23 @@ from slam.checkpoint import (
     settings_to_plain,
 )
 from slam.config import SlamConfig
+from slam.joint import JointPosterior
 from slam.lost import LOST
-from slam.maps import Maps
 from slam.measurement import Scan
 from slam.mixture import moments
 from slam.motion import Odometry
-from slam.particles import PARTICLE, ParticleSet, empty_maps
-from slam.proposal import place, predict
+from slam.particles import ParticleSet
 from slam.region import REGION
 from slam.relocalisation import Search
-from slam.resampling import SCHEMES
-from slam.scan_update import look_up, resample, update_particles
+from slam.rows import Floats
+from slam.sampled import SampledPosterior
+from slam.scan_update import Seen, look_up
 from slam.turning import observe
 from slam.weights import normalise
 
 NO_VIEW = np.zeros((0, 2))
 
-STORED = {"particles": PARTICLE, **{name: array.dtype for name, array in empty_maps(1)._asdict().items()}}
+STORED = {name: array.dtype for name, array in ParticleSet.at(np.zeros(3), 1).to_arrays().items()}
 """Arrays of a stored filter."""
 
 
@@ -60,18 +60,21 @@ class RegionSLAM:
 
     def __init__(self, config: SlamConfig | None = None, seed: int | np.random.Generator | None = None) -> None:
         self.config = config or SlamConfig()
-        self._parameters = tuple(self.config.parameters())  # Numba unpacks a plain tuple five times faster
         self._rng = np.random.default_rng(seed)
         self.reset()
 
     def reset(self, pose: ArrayLike = (0.0, 0.0, 0.0)) -> Belief:
         """Forget the map and start at a pose (x, y, theta) that is certain; return the belief."""
-        self._set = ParticleSet.at(_checked_pose(pose), self.config.n_particles)
+        start = _checked_pose(pose)
+        self._posterior: SampledPosterior | JointPosterior = (
+            JointPosterior.at(start, self.config)
+            if self.config.posterior == "joint"
+            else SampledPosterior.at(start, self.config, self._rng)
+        )
         self._types: list[str] = []
         self._type_index: dict[str, int] = {}
         self._known_types: dict[tuple[str, ...], NDArray[np.int64]] = {}
         self._scan_number = 0
-        self._ess = float(self.config.n_particles)
         self._doubt = 0.0
         self._search: Search | None = None
         return self.belief
@@ -84,22 +87,21 @@ class RegionSLAM:
         self.predict(odometry)
         if pose is None:
             return self.update(scan)
-        place(self._set.particles, _checked_pose(pose))
+        self._posterior.place(_checked_pose(pose))
         self._search = None
         return self._update(scan, watchful=False)
 
     def predict(self, odometry: Odometry) -> None:
-        """Move by odometry: p(x_t | x_{t-1}, u_t) of every particle, kept as a Gaussian until the next scan."""
+        """Move by odometry: p(x_t | x_{t-1}, u_t), kept as a Gaussian until the next scan."""
         motion = (odometry.distance, odometry.lateral, odometry.rotation)
-        noise = self.config.motion_noise
-        predict(self._set.particles, *motion, noise.distance, noise.heading_per_metre, noise.heading_per_radian)
+        self._posterior.predict(motion, self.config.motion_noise)
         if self._search is not None:
-            self._search.predict(odometry, noise)
+            self._search.predict(odometry, self.config.motion_noise)
 
     def update(self, scan: Scan) -> Belief:
         """Update poses and maps with a scan and return the belief."""
-        if self._search is not None:
-            return self._look_around(self._search, scan)
+        if self._search is not None and isinstance(self._posterior, SampledPosterior):
+            return self._look_around(self._posterior, self._search, scan)
         return self._update(scan, watchful=self.config.relocalise)
 
     def relocalise(self) -> Belief:
@@ -107,63 +109,54 @@ class RegionSLAM:
 
         The map is kept, and nothing is written to it meanwhile. With `SlamConfig(relocalise=True)`, the default, the
         filter does so itself once scans contradict its map (`slam.lost`).
+
+        Raises
+        ------
+        ValueError
+            With the joint posterior, which cannot.
         """
-        heaviest = int(np.argmax(self._set.particles["log_weight"]))
-        self._search = Search(self._set.particles, self._set.maps.table[heaviest], self.config.parameters())
+        if isinstance(self._posterior, JointPosterior):
+            raise ValueError("posterior is 'joint', expected 'fastslam2': a joint posterior cannot relocalise")
+        cloud = self._posterior.cloud
+        heaviest = int(np.argmax(cloud.particles["log_weight"]))
+        self._search = Search(cloud.particles, cloud.maps.table[heaviest], self.config.parameters())
         return self.belief
 
-    def _look_around(self, search: Search, scan: Scan) -> Belief:
+    def _look_around(self, posterior: SampledPosterior, search: Search, scan: Scan) -> Belief:
         """Weigh where the robot may be; go on from there once that is clear."""
         self._scan_number += 1
         measured = np.zeros((len(scan), 4), REGION)
         observe(scan.records, self._type_numbers(scan.types), measured)
-        search.update(self._set.maps, measured, NO_VIEW if scan.view is None else scan.view)
+        search.update(posterior.cloud.maps, measured, _view_of(scan))
         found = search.found
         if found is not None:
-            cloud = self._set
-            cloud.gather(np.full(len(cloud.particles), np.argmax(cloud.particles["log_weight"])))
-            for name in ("pose", "cov", "expected", "spread"):
-                cloud.particles[name] = found[name]
-            cloud.particles["log_weight"] = -np.log(len(cloud.particles))
-            self._ess = float(len(cloud.particles))
+            posterior.restart(found)
             self._doubt, self._search = 0.0, None
         return self.belief
 
     def _update(self, scan: Scan, watchful: bool) -> Belief:
-        self._resample()  # of the last scan: until now the belief was that of its weighted particles
+        posterior = self._posterior
+        posterior.resample()  # of the last scan: until now the belief was that of its weighted particles
         self._scan_number += 1
-        cloud = self._set
-        measured, relations, near, n_near, (records, links) = look_up(
-            cloud.particles,
-            tuple(cloud.maps),
-            scan.records,
-            self._type_numbers(scan.types),
-            scan.links,
-            float(self.config.sensor_range),
+        seen = Seen(
+            *look_up(
+                posterior.cloud.particles,
+                tuple(posterior.cloud.maps),
+                scan.records,
+                self._type_numbers(scan.types),
+                scan.links,
+                float(self.config.sensor_range),
+            )
         )
-        cloud.make_room(slots=len(scan), records=records, links=links)
-        self._ess, doubt = update_particles(
-            cloud.particles,
-            tuple(cloud.maps),
-            measured,
-            relations,
-            near,
-            n_near,
-            NO_VIEW if scan.view is None else scan.view,
-            self._rng.standard_normal((len(cloud.particles), 3)),
-            self._scan_number,
-            watchful,
-            self._parameters,
-        )
+        doubt = posterior.update(seen, _view_of(scan), self._scan_number, watchful)
         self._doubt = max(self._doubt + doubt, 0.0)
-        if self._doubt > LOST:
-            return self.relocalise()
-        return self.belief
+        return self.relocalise() if self._doubt > LOST else self.belief
 
     @property
     def belief(self) -> Belief:
         """The present belief."""
-        particles, maps, ess = self._set.particles, self._set.maps, self._ess
+        posterior = self._posterior
+        particles, maps, ess = posterior.cloud.particles, posterior.cloud.maps, posterior.ess
         if self._search is not None:
             particles, maps = self._search.hypotheses.copy(), self._search.maps(maps)
             ess = normalise(particles)
@@ -192,9 +185,12 @@ class RegionSLAM:
             "generator": generator_to_plain(self._rng),
             "types": self._types,
             "scan_number": self._scan_number,
-            "ess": self._ess,
+            "ess": self._posterior.ess,
+            "doubt": self._doubt,
+            "lost": self._search is not None,
         }
-        save_checkpoint(path, about, {"particles": self._set.particles, **self._set.maps._asdict()})
+        search = {} if self._search is None else self._search.to_arrays()
+        save_checkpoint(path, about, {**self._posterior.to_arrays(), **search})
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> RegionSLAM:
@@ -207,11 +203,17 @@ class RegionSLAM:
         """
         about, arrays = load_checkpoint(path, STORED)
         loaded = cls(settings_from_plain(about["config"]), generator_from_plain(about["generator"]))
-        maps = Maps(**{name: arrays[name] for name in Maps._fields})
-        loaded._set = ParticleSet(arrays["particles"], maps)
+        loaded._posterior = (
+            JointPosterior.from_arrays(arrays, loaded.config)
+            if loaded.config.posterior == "joint"
+            else SampledPosterior.from_arrays(arrays, loaded.config, loaded._rng)
+        )
+        loaded._posterior.ess = about["ess"]
         loaded._types = about["types"]
         loaded._type_index = {name: index for index, name in enumerate(loaded._types)}
-        loaded._scan_number, loaded._ess = about["scan_number"], about["ess"]
+        loaded._scan_number, loaded._doubt = about["scan_number"], about["doubt"]
+        if about["lost"]:
+            loaded._search = Search.from_arrays(arrays, loaded.config.parameters())
         return loaded
 
     def _type_numbers(self, types: Sequence[str]) -> NDArray[np.int64]:
@@ -225,12 +227,9 @@ class RegionSLAM:
             self._known_types[key] = np.array([self._type_index[name] for name in key], np.int64)
         return self._known_types[key]
 
-    def _resample(self) -> None:
-        """Draw ancestors when the effective sample size is low."""
-        particles = self._set.particles
-        if self._ess < self.config.resample_below * len(particles):
-            uniforms = self._rng.random(len(particles))
-            resample(particles, tuple(self._set.maps), SCHEMES.index(self.config.resampling), uniforms)
+
+def _view_of(scan: Scan) -> Floats:
+    return NO_VIEW if scan.view is None else scan.view
 
 
 def _checked_pose(pose: ArrayLike) -> NDArray[np.float64]:

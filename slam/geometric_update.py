@@ -69,15 +69,25 @@ def update_geometry(
         # New regions come last: a region born in this scan explains no other measurement of it.
         for j in range(len(measured)):
             if associations[i, j].slot == NEW:
-                region_id = scan_number * MAX_MEASUREMENTS + j
-                if born[j] < 0:
-                    born[j] = new_slot(maps, region_id)
-                m = add(maps, i, born[j])
-                start(measured[j, 0], particle.pose, m, p)
-                m.id, m.last_seen = region_id, scan_number
-                cover(maps, born[j], m)
-                associations[i, j].slot = near[i, n_near[i]] = born[j]
+                slot = begin(maps, i, born, j, measured[j, 0], particle.pose, scan_number, p)
+                associations[i, j].slot = near[i, n_near[i]] = slot
                 n_near[i] += 1
+
+
+@njit
+def begin(maps: Record, particle: int, born: Array, j: int, z: Record, pose: Array, scan_number: int, p: Record) -> int:
+    """Add the region that measurement j of this scan begins to a particle's map; return its slot.
+
+    `born` (M,) holds the slots of the scan's new regions, -1 where no particle has begun it yet.
+    """
+    region_id = scan_number * MAX_MEASUREMENTS + j
+    if born[j] < 0:
+        born[j] = new_slot(maps, region_id)
+    m = add(maps, particle, born[j])
+    start(z, pose, m, p)
+    m.id, m.last_seen = region_id, scan_number
+    cover(maps, born[j], m)
+    return born[j]
 
 
 @njit

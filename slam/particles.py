@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -55,6 +57,15 @@ class ParticleSet:
         particles["pose"] = particles["expected"] = pose
         particles["log_weight"] = -np.log(n_particles)
         return cls(particles, empty_maps(n_particles))
+
+    def to_arrays(self) -> dict[str, NDArray[Any]]:
+        """Return all arrays by name."""
+        return {"particles": self.particles, **self.maps._asdict()}
+
+    @classmethod
+    def from_arrays(cls, arrays: Mapping[str, NDArray[Any]]) -> ParticleSet:
+        """Return the set of which `to_arrays` gave the arrays."""
+        return cls(arrays["particles"], Maps(*(arrays[name] for name in Maps._fields)))
 
     def make_room(self, slots: int, records: int, links: int) -> None:
         """Grow the arrays so that there is room for so many more slots, records and links."""

@@ -8,6 +8,7 @@ than any other. All of them share one map, and nothing is written to it.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -78,6 +79,24 @@ class Search:
         self.hypotheses["cov"] += self._spread
         self._explained = np.zeros(len(known))
         self._begun = False
+
+    def to_arrays(self) -> dict[str, NDArray[Any]]:
+        """Return what a search holds, by name."""
+        return {
+            "search_hypotheses": self.hypotheses,
+            "search_row": self.row,
+            "search_explained": self._explained,
+            "search_begun": np.array(self._begun),
+        }
+
+    @classmethod
+    def from_arrays(cls, arrays: Mapping[str, NDArray[Any]], parameters: Parameters) -> Search:
+        """Return the search of which `to_arrays` gave the arrays."""
+        hypotheses = arrays["search_hypotheses"].view(PARTICLE)
+        search = cls(hypotheses, arrays["search_row"], parameters)
+        search.hypotheses, search._explained = hypotheses.copy(), arrays["search_explained"].copy()
+        search._begun = bool(arrays["search_begun"])
+        return search
 
     def maps(self, maps: Maps) -> Maps:
         """Return the maps of all hypotheses: one and the same."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -25,6 +25,16 @@ from slam.turning import observe
 from slam.weights import normalise, weights
 
 
+class Seen(NamedTuple):
+    """A scan as all particles see it: what was measured, and the regions of each map that it can be of."""
+
+    measured: np.ndarray  # (M, 4) of REGION: every measurement in its equivalent descriptions
+    relations: np.ndarray  # (M, M, 2): log-odds of measured links and of containment
+    near: np.ndarray  # (P, ...): slots
+    n_near: np.ndarray  # (P,)
+    demand: tuple[int, int]  # records and links that an update takes at most
+
+
 @njit
 def look_up(
     particles: Array,
@@ -34,7 +44,7 @@ def look_up(
     measured_links: Array,
     sensor_range: float,
 ) -> Any:
-    """Return what is measured, in edge form, and which regions of each map it can be of; and the room this may need."""
+    """Return what `Seen` holds."""
     n, maps = len(records), Maps(*arrays)
     measured = np.zeros((n, 4), REGION)
     relations = np.empty((n, n, 2))

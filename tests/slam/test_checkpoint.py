@@ -46,7 +46,7 @@ def saved(tmp_path: Path) -> Path:
 def test_it_goes_on_bit_identically(saved: Path) -> None:
     through, resumed = RegionSLAM(CONFIG, seed=3), RegionSLAM.load(saved)
     drive(through, 0, 12)
-    check_storage(resumed._set.maps)
+    check_storage(resumed._posterior.cloud.maps)
     assert resumed.config == CONFIG
     drive(resumed, 6, 12)
     for name in ("pose_mean", "pose_cov", "ess", "types"):
