@@ -82,7 +82,8 @@ def follow(records: Array, poses: Array, parameters: tuple[Any, ...], figures: A
     `figures` (T,) of `MEASUREMENT`: the estimate after every step, left to right as the truth is; `m` (1,) of `REGION`:
     the last one. Both are written.
     """
-    p, work = Parameters(*parameters), workspace()
+    p = Parameters(*parameters)
+    work = workspace(p.tolerance)
     descriptions, scratch = np.zeros((1, 4), REGION), np.zeros(1, REGION)
     candidates, robots = np.zeros(1, CANDIDATE), np.zeros(1, PARTICLE)
     type_numbers = np.zeros(1, np.int64)
