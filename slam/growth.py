@@ -22,7 +22,7 @@ def take_row(source: Record, m: Record) -> None:
     m.state[:] = source.state
     m.cov[:] = source.cov
     m.closed[:] = source.closed
-    m.contrary[:] = 0
+    m.contrary[:] = source.contrary
 
 
 @njit

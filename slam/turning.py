@@ -90,7 +90,7 @@ def write(
     size = state_size(n)
     for i in range(size):
         out.state[i] = sign[i] * mean[source[i]]
-        out.closed[i] = region.closed[source[i]]
+        out.closed[i], out.contrary[i] = region.closed[source[i]], region.contrary[source[i]]
         for j in range(size):
             out.cov[i, j] = sign[i] * sign[j] * cov[source[i], source[j]]
     out.state[0] = mean[0] + quarters * np.pi / 2
