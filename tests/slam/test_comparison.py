@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from slam.comparison import CANDIDATE, compare, nearest_alignment
 from slam.config import SlamConfig
 from slam.edge_form import state_size
-from slam.geometric_update import fuse
+from slam.geometric_update import PUSH_SIGMAS, START_SIGMAS, fuse
 from slam.innovation import correspond, innovate, is_admissible, log_likelihood, midpoint_distance, workspace
 from slam.region import REGION
 from slam.turning import turn
@@ -170,6 +170,12 @@ def test_correspondence_innovation_and_likelihood_are_those_of_the_twin(pair: tu
     assert likelihood == pytest.approx(naive.log_density(residual, s) - reference, rel=1e-6, abs=1e-6)
 
 
+def midpoint(z: np.record) -> np.ndarray:
+    """Midpoint of the main rectangle along both axes."""
+    u, bt = naive.u_places(int(z.n)), naive.bt_places(int(z.n))
+    return np.array([z.state[u[z.main : z.main + 2]].mean(), z.state[list(bt[z.main])].mean()])
+
+
 def naive_fuse(z: np.record, m: np.record, offset: int) -> dict[tuple[int, str], tuple[float, bool]]:
     """(value, closed) of the lines of the union by rectangle and side; bounds by their rule, NaN where closed."""
     first, last = min(0, offset), max(int(m.n), int(z.n) + offset)
@@ -195,9 +201,9 @@ def naive_fuse(z: np.record, m: np.record, offset: int) -> dict[tuple[int, str],
         else:
             sigma = math.sqrt(z.cov[z_line[1], z_line[1]])
             if m_line is None:
-                out[k - first, side] = (z_line[2] - outward * sigma, False)
+                out[k - first, side] = (z_line[2] - outward * START_SIGMAS * sigma, False)
             else:
-                pushed = z_line[2] - outward * 3 * sigma
+                pushed = z_line[2] - outward * PUSH_SIGMAS * sigma
                 out[k - first, side] = (max(outward * pushed, outward * m_line[2]) * outward, False)
     return out
 
@@ -267,6 +273,11 @@ def test_fusion_of_what_both_know_is_the_textbook_update(pair: tuple[np.record, 
     h = naive.derivative(lambda x: naive.seen_from(x, anchor, POSE), mean)[places]
     residual = residual - naive.seen_from(mean, anchor, POSE)[places]
     residual[0] = math.remainder(residual[0], 2 * math.pi)
+    middle = midpoint(z)
+    c, s = math.cos(residual[0]), math.sin(residual[0])
+    turned = np.array([[c, -s], [s, c]]) @ middle - middle - residual[0] * np.array([-middle[1], middle[0]])
+    for r, a in enumerate(places[1:], 1):  # what turning z to the heading of m does beyond the linear lever of phi
+        residual[r] += turned[0 if a in naive.u_places(n) else 1]
     in_z = [known_z[a] for a in places]
     mean, cov = naive.kalman(mean, cov, h, residual, z.cov[np.ix_(in_z, in_z)])
     fuse(z, m, offset, POSE, workspace())
