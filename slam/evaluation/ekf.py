@@ -3,6 +3,11 @@
 The same model as the filter's, without its approximations: one joint Gaussian over the pose and over heading and closed
 edges of every region seen so far. Slow (quadratic in the size of the map), and told which region each measurement
 shows. Open edges carry nothing.
+
+No measurement tells where the frame of the map lies: only the certain start does. A plain EKF comes to believe
+otherwise, for its Jacobians of different times disagree about what a motion of the whole frame is, and turns the map by
+several standard deviations (Huang, Mourikis and Roumeliotis 2010). Here the error is measured in entries of which such
+a motion changes the pose alone, whatever the estimate (an invariant EKF: Barrau and Bonnabel 2015).
 """
 
 from __future__ import annotations
@@ -10,7 +15,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from slam.evaluation.lines import Ints, Lines, jacobians, residuals
+from slam.evaluation.lines import IS_U, Ints, Lines, jacobians, residuals
 from slam.motion import MotionNoise, Odometry
 from slam.region import MAX_STATE
 from slam.rows import Floats
@@ -93,7 +98,7 @@ class EdgeEKF:
 
     def _condition(self, lines: Lines, rows: NDArray[np.bool_]) -> None:
         """Update with the given rows of headings and edges."""
-        m, cov = len(lines.region), self.cov
+        m, cov, before = len(lines.region), self.cov, self.mean
         noise = np.zeros((len(rows), len(rows)))
         noise[:m, :m], noise[m:, m:] = np.diag(lines.var_phi), lines.covariance
         places, values = (part[rows] for part in self._jacobian(lines))
@@ -103,8 +108,36 @@ class EdgeEKF:
         innovation = np.einsum("ra,jra->jr", values, crossed[:, places]) + noise[np.ix_(rows, rows)]
         whitener = np.linalg.inv(np.linalg.cholesky((innovation + innovation.T) / 2))
         gain = whitener @ crossed
-        self.mean = self.mean + gain.T @ (whitener @ np.concatenate(self._residuals(lines))[rows])
+        self.mean = before + gain.T @ (whitener @ np.concatenate(self._residuals(lines))[rows])
         cov -= gain.T @ gain
+        self._carry_over(before)
+
+    def _carry_over(self, before: Floats) -> None:
+        """Restate the covariance of the error about the mean `before` as that of the error about the new mean.
+
+        What stays are the errors of all headings, of the position less what the robot's heading error turns it about
+        the origin, and of each edge's distance n . (a - p) + e from the robot.
+        """
+        region, edge = np.nonzero(self.place[:, 1:] != UNSEEN)
+        e, phi = self.place[region, edge + 1], self.place[region, 0]
+        old_normal, old_lever = self._normals(before, region, edge + 1)
+        normal, lever = self._normals(self.mean, region, edge + 1)
+        dx, dy = self.mean[:2] - before[:2]
+        moved = np.array([-dy, dx])  # of the position per rad of heading
+        turned, by_heading, by_robot = normal - old_normal, (old_lever - lever)[:, None], (normal @ moved)[:, None]
+        cov = self.cov
+        for half in (cov, cov.T):  # M C, then (M (M C)^T)^T
+            half[e] += by_heading * half[phi] + turned @ half[:2] + by_robot * half[2]
+            half[:2] += np.outer(moved, half[2])
+        cov[:] = (cov + cov.T) / 2
+
+    def _normals(self, mean: Floats, region: Ints, edge: Ints) -> tuple[Floats, Floats]:
+        """Return the normals n of edges, shape (E, 2), and the derivative of n . (a - p) by their heading, (E,)."""
+        phi, along = mean[self.place[region, 0]], IS_U[edge]
+        c, s = np.cos(phi), np.sin(phi)
+        dx, dy = (self.anchor[region] - mean[:2]).T
+        normal = np.stack([np.where(along, c, -s), np.where(along, s, c)], axis=1)
+        return normal, np.where(along, c * dy - s * dx, -c * dx - s * dy)
 
     def _add_regions(self, lines: Lines, new: NDArray[np.bool_]) -> None:
         """Begin regions: phi = theta + phi_z, and an anchor."""

@@ -14,7 +14,7 @@ from regionslam_env.sensors.odometry import OdometrySensor
 from regionslam_env.sensors.region_sensor import RegionSensor
 from slam.evaluation.consistency import nees, nees_band, pose_nees
 from slam.evaluation.ekf import UNSEEN, EdgeEKF
-from slam.evaluation.lines import Lines, lines_of, residuals, state_of
+from slam.evaluation.lines import IS_U, Lines, lines_of, residuals, state_of
 from slam.evaluation.matching import moved
 from slam.motion import MotionNoise, Odometry
 from slam.proposal import predict
@@ -121,6 +121,34 @@ def _flat_twin(noise, moves, scans, true, regions, anchors):
 def _differences(function, at, step=1e-5):
     columns = [(function(at + d) - function(at - d)) / (2 * step) for d in step * np.eye(len(at))]
     return np.stack(columns, axis=1)
+
+
+def test_measurements_never_tell_where_the_frame_lies():
+    """Begun at an uncertain pose, the same drive gives the same map, as uncertain as before plus that of the frame."""
+    settings = NoiseConfig()
+    moves, scans, _, _ = drive(5, settings, range=2.5)
+    frame = np.array([[0.04, 0.01, 0.002], [0.01, 0.09, -0.003], [0.002, -0.003, 0.01]])
+    certain, uncertain = EdgeEKF(settings.odometry, 3), EdgeEKF(settings.odometry, 3)
+    uncertain.cov[:] = frame
+    for move, lines in zip(moves, scans, strict=True):
+        for ekf in (certain, uncertain):
+            ekf.predict(move)
+            ekf.update(lines)
+    assert np.allclose(uncertain.mean, certain.mean, atol=1e-7)
+    motion = np.zeros((len(certain.mean), 3))  # what a motion of the frame, x, y and a turn about the start, changes
+    motion[:3] = np.eye(3)
+    motion[:2, 2] = -certain.mean[1], certain.mean[0]
+    for number, known in enumerate(certain.place != UNSEEN):
+        if known[0]:
+            phi, anchor = certain.mean[certain.place[number, 0]], certain.anchor[number]
+            c, s = np.cos(phi), np.sin(phi)
+            motion[certain.place[number, 0], 2] = 1.0
+            for edge in np.flatnonzero(known)[1:]:
+                n = np.array([c, s] if IS_U[edge] else [-s, c])
+                across = np.array([-n[1], n[0]])
+                motion[certain.place[number, edge], :2] = n
+                motion[certain.place[number, edge], 2] = -across @ anchor
+    assert np.allclose(uncertain.cov, certain.cov + motion @ frame @ motion.T, atol=1e-7)
 
 
 def test_a_scan_of_nothing_changes_nothing():
