@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -155,6 +157,23 @@ def test_a_region_seen_from_both_sides_becomes_one() -> None:
     feature = belief.map.regions[0]
     assert (feature.x, feature.w, feature.h) == pytest.approx((0.5, 13.0, 2.0), abs=0.1)
     assert (slam._posterior.gaussians[0].entries[:, 0] >= 0).sum() == 1  # type: ignore[union-attr]
+
+
+def test_a_stored_filter_goes_on_bit_identically(tmp_path: Path) -> None:
+    slam = joint(4)
+    drive(slam, 4, 7, np.zeros(3))
+    slam.save(tmp_path / "filter.npz")
+    loaded = RegionSLAM.load(tmp_path / "filter.npz")
+    (a, _), (b, _) = (drive(copy, 3, 8, np.zeros(3)) for copy in (slam, loaded))
+    assert a.pose_mean.tobytes() == b.pose_mean.tobytes()
+    assert a.features.tobytes() == b.features.tobytes()
+
+
+def test_what_the_joint_posterior_cannot_do_is_refused() -> None:
+    with pytest.raises(ValueError, match="posterior is 'joint', expected 'fastslam2'"):
+        joint().relocalise()
+    with pytest.raises(ValueError, match="geometric_update is 'paper', expected 'edges'"):
+        SlamConfig(posterior="joint", geometric_update="paper")
 
 
 def test_an_unknown_posterior_is_refused() -> None:
