@@ -72,8 +72,8 @@ class RegionMap:
     """A semantic map of regions in the map frame.
 
     A region is credible if no hypothesis of another type outdoes it at its place, and neither is it more likely absent
-    than not, nor its type more likely wrong than right. Queries answer with credible regions, in the order of their ids; links and containments count if they are more
-    likely than not. Wherever a region is asked for, its id will do.
+    than not, nor its type more likely wrong than right. Queries answer with credible regions, in the order of their
+    ids; links and containments count if they are more likely than not. Wherever a region is asked for, its id will do.
 
     Parameters
     ----------

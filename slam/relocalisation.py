@@ -1,8 +1,8 @@
-"""Where on its map is a robot that was carried?
+"""The search of a robot that was carried, on its map.
 
-The poses that most measurements of a scan support (`slam.matched_poses`) become hypotheses. They move with the robot and
-are conditioned on every further scan, until one explains the scans far better than any other. All of them share one
-map, and nothing is written to it.
+The poses that most measurements of a scan support (`slam.matched_poses`) become hypotheses. They move with the robot
+and are conditioned on every further scan, until one explains the scans far better than any other. All of them share
+one map, and nothing is written to it.
 """
 
 from __future__ import annotations
