@@ -71,9 +71,9 @@ class MapGraph:
 class RegionMap:
     """A semantic map of regions in the map frame.
 
-    A region is credible if no hypothesis of another type outdoes it at its place and it isn't more likely absent than
-    not. Queries answer with credible regions, in the order of their ids; links and containments count if they are more
-    likely than not. Wherever a region is asked for, its id will do.
+    A region is credible if no hypothesis of another type outdoes it at its place, and neither is it more likely absent
+    than not, nor its type more likely wrong than right. Queries answer with credible regions, in the order of their
+    ids; links and containments count if they are more likely than not. Wherever a region is asked for, its id will do.
 
     Parameters
     ----------
@@ -112,7 +112,7 @@ class RegionMap:
     @cached_property
     def regions(self) -> tuple[RegionFeature, ...]:
         """The credible regions."""
-        return tuple(feature for feature in self.hypotheses if feature.credible and feature.existence >= 0)
+        return tuple(m for m in self.hypotheses if m.credible and m.existence >= 0 and m.type_log_odds >= 0)
 
     @cached_property
     def types(self) -> tuple[str, ...]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -106,3 +107,21 @@ def test_a_given_pose_ends_the_search() -> None:
     belief = slam.step(Odometry(0.0), scan(pose, noise), pose)
     assert not belief.lost
     assert belief.pose_mean == pytest.approx(pose)
+
+
+def test_a_lost_filter_goes_on_after_saving(tmp_path: Path) -> None:
+    slam = RegionSLAM(SlamConfig(n_particles=3), seed=0)
+    noise, pose = np.random.default_rng(0), np.zeros(3)
+    for _ in range(5):
+        slam.step(Odometry(0.0), scan(pose, noise))
+    slam.relocalise()
+    slam.step(Odometry(0.0), scan(pose, noise))
+    slam.save(tmp_path / "lost.npz")
+    loaded = RegionSLAM.load(tmp_path / "lost.npz")
+    assert loaded.belief.lost
+    for _ in range(25):
+        seen = scan(pose, noise)
+        a, b = slam.step(Odometry(0.01), seen), loaded.step(Odometry(0.01), seen)
+        assert a.lost == b.lost
+        np.testing.assert_array_equal(a.pose_mean, b.pose_mean)
+    assert not b.lost

@@ -7,10 +7,11 @@ import dataclasses
 import numpy as np
 import pytest
 
+from slam.matched_poses import MOST_POSES, are_near, count_votes, pose_of_match, support
 from slam.measurement import RegionMeasurement
 from slam.motion import MotionNoise, Odometry
 from slam.region import EdgeState, Subrectangle
-from slam.relocalisation import MOST_POSES, Search, are_near, count_votes, pose_of_match, support
+from slam.relocalisation import Search
 from slam.se2 import between, compose
 from tests.slam.drawn import P, mapped, maps, measured, particles, stored
 
