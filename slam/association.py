@@ -43,7 +43,7 @@ MARGIN = 1 / 8
 """Distance, in ranges of the sensor, beyond which regions that do not touch are not compared."""
 
 SETTLED = 1.5
-"""Log-odds from which a region's type is settled: a measurement of the same place under another type is a mistake."""
+"""Log-odds, beside the prior, from which a region's type is settled: other types measured at its place are mistakes."""
 
 
 @njit
@@ -131,7 +131,7 @@ def is_misnamed(
     While no type is settled, every one that was measured makes a hypothesis of its own (section II-A).
     """
     z = descriptions[0]
-    if z.type == m.type or m.type_log_odds < SETTLED or z.n > m.n:
+    if z.type == m.type or m.type_log_odds - m.type_prior < SETTLED or z.n > m.n:
         return False
     size, other = area(z), area(m)
     # The area of what has open edges is but the least it can be.

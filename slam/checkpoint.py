@@ -20,11 +20,12 @@ from slam.config import SlamConfig
 from slam.geojson import MapError
 from slam.measurement import MeasurementNoise
 from slam.motion import MotionNoise
+from slam.priors import TypePrior
 from slam.storage import load_arrays, save_arrays
 
 KIND, VERSION = "regionslam filter", 1
 
-SETTINGS = {cls.__name__: cls for cls in (SlamConfig, MotionNoise, MeasurementNoise)}
+SETTINGS = {cls.__name__: cls for cls in (SlamConfig, MotionNoise, MeasurementNoise, TypePrior)}
 """Classes that settings are made of."""
 
 GENERATORS = ("PCG64", "PCG64DXSM", "MT19937", "Philox", "SFC64")

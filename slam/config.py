@@ -9,10 +9,23 @@ import numpy as np
 
 from slam.measurement import MeasurementNoise
 from slam.motion import MotionNoise
+from slam.priors import (
+    PriorByPair,
+    PriorByType,
+    Priors,
+    by_pair,
+    by_type,
+    checked_by_pair,
+    checked_by_type,
+    log_odds,
+    names,
+)
 from slam.resampling import SCHEMES
 
 GEOMETRIC_UPDATES = ("edges", "paper")
 CORRESPONDENCES = ("edges", "paper")
+PRIOR_TYPE, PRIOR_LINK, PRIOR_CHILD = 0.5, 0.2, 0.1
+SEMANTICS = ("completed", "paper")
 
 POSTERIORS = ("fastslam2", "joint")
 
@@ -47,8 +60,15 @@ class SlamConfig:
         Resample when the effective sample size falls below this share of the particles.
     resampling
         Scheme, one of ``"systematic"``, ``"stratified"`` and ``"residual"``.
-    prior_type, prior_link, prior_child
-        Prior probabilities p(m), p(m -> n) and p(m < n) of Oberländer et al. 2008, eqs. (7), (16), (17).
+    prior_type
+        Prior probability p(m) of Oberländer et al. 2008, eq. (7), or a mapping from type to probability or `TypePrior`
+        (by dimensions). The key `priors.ANY` ("*") stands for every type not named; without it that is the default.
+    prior_link, prior_child
+        Prior probabilities p(m -> n) and p(m < n), "m is a subregion of n", of eqs. (16) and (17), or a mapping from
+        (type of m, type of n), "*" for any; links are mutual, so either order will do.
+    semantics
+        "completed": priors enter once. "paper": (13) and (17) literally, which subtract their prior at every scan and
+        so are meant for priors of 0.5.
     link_unseen
         Probability of a link that was not measured although both its regions were, eq. (14).
     existence_seen, existence_missed, existence_floor, existence_ceiling
@@ -73,9 +93,10 @@ class SlamConfig:
     gate_new: float = 200.0
     resample_below: float = 0.5
     resampling: str = "systematic"
-    prior_type: float = 0.5
-    prior_link: float = 0.2
-    prior_child: float = 0.1
+    prior_type: PriorByType = PRIOR_TYPE
+    prior_link: PriorByPair = PRIOR_LINK
+    prior_child: PriorByPair = PRIOR_CHILD
+    semantics: str = "completed"
     link_unseen: float = 0.1
     existence_seen: float = 0.7
     existence_missed: float = 0.4
@@ -86,14 +107,22 @@ class SlamConfig:
     relocalise: bool = True
 
     def __post_init__(self) -> None:
-        if not (isinstance(self.n_particles, int) and self.n_particles >= 1):
-            raise ValueError(f"n_particles is {self.n_particles!r}, expected an integer of at least 1")
         if self.posterior not in POSTERIORS:
             raise ValueError(f"posterior is {self.posterior!r}, expected one of {', '.join(map(repr, POSTERIORS))}")
-        for name in ("resample_below", "prior_type", "prior_link", "prior_child", "link_unseen"):
+        for name in ("n_particles", "confirmed_after"):
             value = getattr(self, name)
-            if not 0 < value <= 1 or (value == 1 and name != "resample_below"):
-                raise ValueError(f"{name} is {value!r}, expected a probability between 0 and 1")
+            if not (isinstance(value, int | np.integer) and not isinstance(value, bool) and value >= 1):
+                raise ValueError(f"{name} is {value!r}, expected an integer of at least 1")
+        if not 0 < self.resample_below <= 1:
+            raise ValueError(f"resample_below is {self.resample_below!r}, expected a share above 0, at most 1")
+        object.__setattr__(self, "prior_type", checked_by_type("prior_type", self.prior_type))
+        for name in ("prior_link", "prior_child"):
+            object.__setattr__(self, name, checked_by_pair(name, getattr(self, name)))
+        if not 0 < self.link_unseen < 1:
+            raise ValueError(f"link_unseen is {self.link_unseen!r}, expected a probability between 0 and 1")
+        if self.semantics not in SEMANTICS:
+            raise ValueError(f"semantics is {self.semantics!r}, expected one of {', '.join(SEMANTICS)}")
+        self._check_existence()
         if self.resampling not in SCHEMES:
             raise ValueError(f"resampling is {self.resampling!r}, expected one of {', '.join(SCHEMES)}")
         if not 0 < self.gate_associate <= self.gate_new:
@@ -120,12 +149,24 @@ class SlamConfig:
     def _tolerance(self) -> float:
         return self.measurement_noise.sigma_xy if self.tolerance is None else self.tolerance
 
+    def _check_existence(self) -> None:
+        for name in ("existence_seen", "existence_missed"):
+            value = getattr(self, name)
+            if not 0 <= value < np.inf:
+                raise ValueError(f"{name} is {value!r}, expected finite log-odds of at least 0")
+        if not -np.inf < self.existence_floor < self.existence_ceiling < np.inf:
+            raise ValueError(
+                f"existence_floor is {self.existence_floor!r} and existence_ceiling {self.existence_ceiling!r}, "
+                "expected finite log-odds, the floor below the ceiling"
+            )
+
+    @property
+    def named_types(self) -> tuple[str, ...]:
+        """The types that the priors name: the filter numbers them first."""
+        return names((self.prior_type, self.prior_link, self.prior_child))
+
     def parameters(self) -> Parameters:
         """Return the numbers that the kernels need."""
-
-        def logit(p: float) -> float:
-            return float(np.log(p / (1 - p)))
-
         return Parameters(
             self.sensor_range,
             -float(np.log(self.sensor_range)),
@@ -133,10 +174,6 @@ class SlamConfig:
             self.correspondence == "paper",
             self.gate_associate,
             self.gate_new,
-            logit(self.prior_type),
-            logit(self.prior_link),
-            logit(self.prior_child),
-            logit(self.link_unseen),
             self.existence_seen,
             self.existence_missed,
             self.existence_floor,
@@ -145,9 +182,20 @@ class SlamConfig:
             self.geometric_update == "paper",
         )
 
+    def priors(self) -> Priors:
+        """Return what the semantic and topological kernels need."""
+        types = self.named_types
+        return Priors(
+            by_type(self.prior_type, types, PRIOR_TYPE),
+            by_pair(self.prior_link, types, PRIOR_LINK, mutual=True),
+            by_pair(self.prior_child, types, PRIOR_CHILD, mutual=False),
+            log_odds(self.link_unseen),
+            self.semantics == "paper",
+        )
+
 
 class Parameters(NamedTuple):
-    """The kernels' share of a `SlamConfig`; probabilities as log-odds."""
+    """The numbers of a `SlamConfig` that kernels need, but for `Priors`."""
 
     sensor_range: float
     log_reference: float  # log density of an edge that is not explained, 1 / sensor range
@@ -155,10 +203,6 @@ class Parameters(NamedTuple):
     by_midpoints: bool
     gate_associate: float
     gate_new: float
-    prior_type: float
-    prior_link: float
-    prior_child: float
-    link_unseen: float
     existence_seen: float
     existence_missed: float
     existence_floor: float

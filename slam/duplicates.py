@@ -63,7 +63,7 @@ def find_twins(
             continue
         if a.type != b.type:
             if are_rivals(a, b, margin):
-                rank(maps, i, slot, other)
+                rank(maps, i, slot, other, p)
         elif b.last_seen != scan_number and are_twins(a, b, margin):
             # Two regions of one scan are two regions, so only an unseen one can be the twin.
             twins[n] = (other, slot) if a.id < b.id else (slot, other)
@@ -77,18 +77,21 @@ def find_twins(
 def settle_rivals(maps: Record, particle: int, near: Array, n_near: Array, p: Record) -> None:
     """Settle the rivalries of all regions nearby."""
     for j in range(n_near[particle]):
-        settle_rivalry(maps, particle, near[particle, j], MARGIN * p.tolerance)
+        settle_rivalry(maps, particle, near[particle, j], p)
 
 
 @njit
-def settle_rivalry(maps: Record, particle: int, slot: int, margin: float) -> None:
+def settle_rivalry(maps: Record, particle: int, slot: int, p: Record) -> None:
     """Free a hypothesis whose rival is gone or has lost its lead."""
     if maps.table[particle, slot] < 0 or region_of(maps, particle, slot).rival < 0:
         return
     m = region_of(maps, particle, slot)
     # The slot of the rival may be free or hold another region by now.
-    gone = maps.table[particle, m.rival] < 0 or not are_rivals(m, region_of(maps, particle, m.rival), margin)
-    if gone or region_of(maps, particle, m.rival).type_log_odds < m.type_log_odds:
+    gone = maps.table[particle, m.rival] < 0
+    if not gone:
+        rival = region_of(maps, particle, m.rival)
+        gone = not are_rivals(m, rival, MARGIN * p.tolerance) or leads(m, rival, p)
+    if gone:
         own(maps, particle, slot).rival = -1
 
 
@@ -124,11 +127,21 @@ def coincide(a: Record, b: Record, margin: float) -> bool:
 
 
 @njit
-def rank(maps: Record, particle: int, first: int, second: int) -> None:
+def leads(a: Record, b: Record, p: Record) -> bool:
+    """Say whether a is more credible than b: confirmed before tentative, then by log-odds, then by sightings."""
+    a_confirmed, b_confirmed = a.sightings >= p.confirmed_after, b.sightings >= p.confirmed_after
+    if a_confirmed != b_confirmed:
+        return a_confirmed
+    if a.type_log_odds != b.type_log_odds:
+        return a.type_log_odds > b.type_log_odds
+    return a.sightings > b.sightings
+
+
+@njit
+def rank(maps: Record, particle: int, first: int, second: int, p: Record) -> None:
     """Mark the less credible of two hypotheses for one place as outdone by the other."""
-    a, b = region_of(maps, particle, first), region_of(maps, particle, second)
-    leads = a.type_log_odds > b.type_log_odds or (a.type_log_odds == b.type_log_odds and a.sightings >= b.sightings)
-    better, worse = (first, second) if leads else (second, first)
+    ahead = leads(region_of(maps, particle, first), region_of(maps, particle, second), p)
+    better, worse = (first, second) if ahead else (second, first)
     if region_of(maps, particle, worse).rival != better:
         own(maps, particle, worse).rival = better
     if region_of(maps, particle, better).rival == worse:
@@ -192,14 +205,15 @@ def join(younger: Record, older: Record) -> None:
     """Count the sightings and the evidence of two twins that agree together."""
     older.sightings += younger.sightings
     older.existence = max(older.existence, younger.existence)
-    older.type_log_odds = max(older.type_log_odds, younger.type_log_odds)
+    if younger.type_log_odds > older.type_log_odds:
+        older.type_log_odds, older.type_prior = younger.type_log_odds, younger.type_prior
 
 
 @njit
 def supplant(younger: Record, older: Record) -> None:
     """Let only the sightings and the evidence of the younger count."""
     older.sightings, older.existence = younger.sightings, younger.existence
-    older.type_log_odds = younger.type_log_odds
+    older.type_log_odds, older.type_prior = younger.type_log_odds, younger.type_prior
 
 
 @njit

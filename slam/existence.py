@@ -17,7 +17,7 @@ LEAST_ANGLE = 0.2
 """Regions that fill a smaller angle (rad) may well be missed."""
 
 REFUTED = -3.0
-"""Log-odds of its type below which a hypothesis is dropped."""
+"""Log-odds of its type, beside the prior, below which a hypothesis is dropped."""
 
 VIEW_MARGIN = 3.0
 """Points nearer to the end of the view, in tolerances, do not count as seen."""
@@ -64,7 +64,7 @@ def update_existence(
                 m = own(maps, i, slot)
                 m.existence -= p.existence_missed
             explained[slot] = -1
-            if m.existence < p.existence_floor or m.type_log_odds < REFUTED:
+            if m.existence < p.existence_floor or m.type_log_odds - m.type_prior < REFUTED:
                 drop(maps, i, slot)
 
 

@@ -13,7 +13,8 @@ from slam.rows import Row
 
 KIND = "region"
 FRAME = "local metres"
-VERSION = 1
+VERSION = 2
+"""Version 2 added `level` and `name`; files of version 1 are read with level 0 and no names."""
 
 
 class MapError(ValueError):
@@ -37,6 +38,8 @@ def feature_to_geojson(feature: RegionFeature) -> dict[str, Any]:
         "kind": KIND,
         "id": int(feature.id),
         "type": feature.type,
+        "name": feature.name,
+        "level": int(feature.level),
         **{name: _number(getattr(feature, name)) for name in _NUMBERS},
         **{name: EdgeState(getattr(feature, name)).name.lower() for name in ("t", "b", "l", "r")},
         "cov_xy": _matrix(feature.cov_xy),
@@ -71,6 +74,9 @@ def features_from_geojson(collection: object) -> tuple[RegionFeature, ...]:
     """
     if not isinstance(collection, Mapping) or collection.get("type") != "FeatureCollection":
         raise MapError("expected a GeoJSON object of type 'FeatureCollection'")
+    version = collection.get("version", 1)
+    if version not in range(1, VERSION + 1):
+        raise MapError(f"version is {_shown(version)}, expected 1 to {VERSION}")
     features = collection.get("features")
     if not isinstance(features, list):
         raise MapError(f"features is {_shown(features)}, expected a list")
@@ -80,6 +86,8 @@ def features_from_geojson(collection: object) -> tuple[RegionFeature, ...]:
         if not isinstance(properties, Mapping):
             raise MapError(f"feature {index}: properties is {_shown(properties)}, expected an object")
         if properties.get("kind") == KIND:
+            if version == 1:
+                properties = {"name": "", "level": 0, **properties}
             found.append(_feature(index, properties))
     return tuple(found)
 
@@ -104,6 +112,8 @@ def _feature(index: int, properties: Mapping[str, Any]) -> RegionFeature:
     feature = RegionFeature(
         id=read("id", _integer, "an integer"),
         type=read("type", _text, "a text"),
+        name=read("name", _text, "a text"),
+        level=read("level", _integer, "an integer"),
         sightings=read("sightings", _integer, "an integer"),
         neighbours=read("neighbours", _read_neighbours, f"links by edge name ({', '.join(EDGE_NAMES)})"),
         children=read("children", _read_log_odds, "log-odds by region id"),

@@ -121,7 +121,7 @@ def start(z: Record, pose: Array, m: Record, p: Record) -> None:
             forget_edge(m, k, FLAT_VARIANCE * m.cov[k, k])
     keep_order(m, LEAST_SIZE * p.tolerance)
     m.radius = bounding_radius(m)
-    m.type, m.type_log_odds = z.type, p.prior_type + z.confidence - 0.5
+    m.level, m.type = z.level, z.type
     m.existence, m.sightings, m.visited = 0.0, 1, 0
     m.rival = -1
 

@@ -27,11 +27,12 @@ from slam.joint_geometry import explain, forget_absent, merge_twins, mirror, see
 from slam.joint_update import Rows, condition
 from slam.maps import FREE_LINKS, USED_SLOTS
 from slam.motion import MotionNoise
+from slam.near import count_links
 from slam.particles import ParticleSet
 from slam.region import MAX_STATE
 from slam.rows import Floats
 from slam.scan_update import Seen
-from slam.semantic_update import update_semantics
+from slam.semantic_update import begin_types, update_semantics
 from slam.topology_update import update_topology
 from slam.weights import normalise
 
@@ -67,7 +68,7 @@ class JointPosterior:
     def __init__(self, cloud: ParticleSet, gaussians: list[JointGaussian], config: SlamConfig) -> None:
         self.cloud, self.gaussians = cloud, gaussians
         self.ess = float(len(gaussians))
-        self._most, self._parameters = config.n_particles, config.parameters()
+        self._most, self._parameters, self._priors = config.n_particles, config.parameters(), config.priors()
 
     @classmethod
     def at(cls, pose: Floats, config: SlamConfig) -> JointPosterior:
@@ -118,14 +119,15 @@ class JointPosterior:
         for i, joint in enumerate(self.gaussians):
             see_from_pose(joint, cloud.maps, i, near[i], n_near[i])
         cloud.particles["cov"] = 0.0  # it is in the records now
-        found = Findings(near, n_near, *look(cloud.particles, cloud.maps, near, n_near, measured, p))
+        found = Findings(near, n_near, *look(cloud.particles, cloud.maps, near, n_near, measured, p, self._priors))
         found = self._branch(found, measured, p)
         born = np.full(len(measured), -1)
         for i in range(len(self.gaussians)):
             cloud.particles["log_weight"][i] += self._explain(i, found, measured, born, scan_number, p)
         found = self._prune(found)
         self._report()
-        update_topology(cloud.maps, found.associations, relations, p)
+        begin_types(cloud.maps, measured, found.associations, self._priors)
+        update_topology(cloud.particles, cloud.maps, found.associations, relations, p, self._priors)
         update_existence(
             cloud.particles,
             cloud.maps,
@@ -209,19 +211,19 @@ class JointPosterior:
         """Make room for a scan that every hypothesis takes for something else, on records of its own."""
         maps, most = self.cloud.maps, 2 * self._most
         records = int(maps.counts[USED_SLOTS]) + len(measured)
-        links = len(maps.links) - int(maps.counts[FREE_LINKS]) + int(np.count_nonzero(relations))
+        links = len(maps.links) - int(maps.counts[FREE_LINKS]) + int(count_links(relations))
         self.cloud.make_room(slots=len(measured), records=most * records, links=most * links)
         slots = len(self.cloud.maps.slots)
         self.gaussians = [joint.with_room(MAX_STATE * len(measured), slots) for joint in self.gaussians]
 
 
 @njit
-def look(particles: Array, maps: Record, near: Array, n_near: Array, measured: Array, p: Record) -> Any:
+def look(particles: Array, maps: Record, near: Array, n_near: Array, measured: Array, p: Record, priors: Record) -> Any:
     """Associate a scan for all hypotheses and update their types; return associations, candidates and their numbers."""
     n = len(measured)
     associations = np.empty((len(particles), n), ASSOCIATION)
     candidates = np.empty((len(particles), n * CANDIDATES_PER_MEASUREMENT), CANDIDATE)
     n_candidates = np.zeros(len(particles), np.int64)
     associate(particles, maps, near, n_near, measured, p, associations, candidates, n_candidates)
-    update_semantics(particles, maps, near, n_near, measured, candidates, n_candidates, p)
+    update_semantics(particles, maps, near, n_near, measured, candidates, n_candidates, p, priors)
     return associations, candidates, n_candidates

@@ -24,6 +24,7 @@ LINK_BELIEF = np.dtype(
             ("next", np.int64),
             ("kind", np.int64),
             ("log_odds", np.float64),
+            ("place", np.float64, (2,)),  # of an adjacency: where it touches its region, map frame, m
         ],
     )
 )

@@ -140,6 +140,8 @@ class Scan:
         robot itself, (0, 0). None: no such evidence.
     noise
         Noise of measurements that do not tell their own.
+    level
+        Storey that the robot is on, and so all that it measures; 0 is the ground floor.
     """
 
     def __init__(
@@ -147,6 +149,7 @@ class Scan:
         measurements: Sequence[RegionMeasurement] = (),
         view: NDArray[np.float64] | None = None,
         noise: MeasurementNoise | None = None,
+        level: int = 0,
     ) -> None:
         noise = noise or MeasurementNoise()
         if len(measurements) >= MAX_MEASUREMENTS:
@@ -161,6 +164,7 @@ class Scan:
         check_records(self.records, self.links, self.types)
         self.records["phi"] = wrap_angles(self.records["phi"])
         self.view = None if view is None else _checked_view(view)
+        self.level = _checked_level(level)
 
     @classmethod
     def from_records(
@@ -169,6 +173,7 @@ class Scan:
         types: tuple[str, ...],
         links: NDArray[np.void] | None = None,
         view: NDArray[np.float64] | None = None,
+        level: int = 0,
     ) -> Scan:
         """Wrap arrays of `MEASUREMENT` and `LINK` as they are, unchecked and uncopied: the fast way in.
 
@@ -176,7 +181,7 @@ class Scan:
         that you do not trust.
         """
         scan = cls.__new__(cls)
-        scan.types, scan.records, scan.view = types, records, view
+        scan.types, scan.records, scan.view, scan.level = types, records, view, level
         scan.links = np.zeros(0, LINK) if links is None else links
         return scan
 
@@ -235,6 +240,12 @@ def _is_numeric(value: object, shape: tuple[int, ...]) -> bool:
         return np.asarray(value, dtype=np.float64).shape == shape
     except (TypeError, ValueError):
         return False
+
+
+def _checked_level(level: object) -> int:
+    if isinstance(level, bool) or not isinstance(level, int | np.integer):
+        raise ValueError(f"level is {level!r}, expected an integer (0 is the ground floor)")
+    return int(level)
 
 
 def _checked_view(view: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -8,7 +8,7 @@ import numpy as np
 
 from slam.grid import search
 from slam.jit import Array, Record, njit
-from slam.maps import LAYERS
+from slam.maps import ADJACENT, INSIDE, LAYERS
 
 LEEWAY = 1 / 4
 """Regions this far beyond the farthest measurement, in ranges of the sensor, are near, too."""
@@ -55,14 +55,20 @@ def uncertainty(particle: Record) -> float:
 
 
 @njit
+def count_links(relations: Array) -> int:
+    """Return how many links a scan can begin (`topology_update.update_topology`)."""
+    count = 0
+    for z in range(len(relations)):
+        for other in range(len(relations)):
+            count += relations[z, other, ADJACENT] != 0.0
+            count += relations[z, other, INSIDE] > 0.0
+    return count
+
+
+@njit
 def demand(maps: Record, near: Array, n_near: Array, relations: Array) -> Any:
     """Return how many records and links an update can take at most: copies of what is shared, and all that is new."""
-    n = relations.shape[0]
-    new_links = 0
-    for z in range(n):
-        for other in range(n):
-            for kind in range(2):
-                new_links += relations[z, other, kind] != 0.0
+    n, new_links = len(relations), count_links(relations)
     records, links = len(near) * n, len(near) * new_links
     for i in range(len(near)):
         for k in range(n_near[i]):

@@ -9,11 +9,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from slam.contact import nearest_edge
 from slam.edge_form import to_edge_form
 from slam.maps import ADJACENT, INSIDE, Maps
 from slam.measurement import MEASUREMENT
 from slam.parameters import to_parameters
-from slam.region import EDGE_NAMES, EdgeState, RegionFeature, Subrectangle, b_index, u_index
+from slam.region import EdgeState, RegionFeature, Subrectangle, b_index, u_index
 from slam.rows import Row
 
 
@@ -54,6 +55,7 @@ def to_feature(region: np.record, types: Sequence[str]) -> RegionFeature:
         sightings=int(region.sightings),
         visited=bool(region.visited),
         credible=bool(region.rival < 0),
+        level=int(region.level),
     )
 
 
@@ -64,6 +66,25 @@ def _subrectangle(fig: np.record, side: int, states: Sequence[EdgeState]) -> Sub
     w, h, y, var_y = (float(fig[name][side]) for name in ("sub_w", "sub_h", "sub_y", "sub_var_y"))
     t, b, end = states[4 + 3 * side : 7 + 3 * side]
     return Subrectangle(w, h, y, t, b, end, fig.sub_cov_wh[side].copy(), var_y)
+
+
+def edge_places(region: np.record) -> dict[str, int]:
+    """Return by name the place of each edge in the state vector."""
+    main = int(region.main)
+    i = b_index(main)
+    places = {"t": i + 1, "b": i, "l": u_index(main), "r": u_index(main + 1)}
+    if main > 0:
+        j = b_index(main - 1)
+        places |= {"tl": j + 1, "bl": j, "ll": u_index(main - 1)}
+    if main + 1 < region.n:
+        j = b_index(main + 1)
+        places |= {"tr": j + 1, "br": j, "rr": u_index(main + 2)}
+    return places
+
+
+def edge_names(region: np.record) -> dict[int, str]:
+    """Return the names of edges by their places in the state vector."""
+    return {place: name for name, place in edge_places(region).items()}
 
 
 def to_region(feature: RegionFeature, types: Sequence[str], out: np.record) -> None:
@@ -91,6 +112,7 @@ def to_region(feature: RegionFeature, types: Sequence[str], out: np.record) -> N
     to_edge_form(fig, out)
     out.anchor[:] = feature.x, feature.y
     out.id, out.type, out.type_log_odds = feature.id, types.index(feature.type), feature.type_log_odds
+    out.level, out.type_prior = feature.level, 0.0  # what part of its log-odds was the prior, a feature does not tell
     out.existence, out.sightings, out.visited = feature.existence, feature.sightings, feature.visited
     out.first_link = out.rival = -1
 
@@ -129,7 +151,7 @@ def to_features(maps: Maps, particle: int, types: Sequence[str], confirmed_after
             target = int(link.target)
             if target in rows and int(regions[target].id) == int(link.target_id):
                 if link.kind == ADJACENT:
-                    edge = facing_edge(rows[slot], rows[target])
+                    edge = edge_names(regions[slot])[nearest_edge(regions[slot], *link.place)[0]]
                     neighbours[slot].setdefault(edge, {})[int(link.target_id)] = float(link.log_odds)
                 else:
                     children[target][int(regions[slot].id)] = float(link.log_odds)
@@ -141,23 +163,3 @@ def to_features(maps: Maps, particle: int, types: Sequence[str], confirmed_after
         object.__setattr__(feature, "children", children[slot])
         features.append(feature)
     return features
-
-
-def facing_edge(row: Row, other: Row) -> str:
-    """Return the name of the row's edge nearest to the other row's centre."""
-    u, v = row.to_local([other.centre])[0]
-    best, name = np.inf, EDGE_NAMES[0]
-    for i in range(row.n):
-        side = "lr"[i > row.main] if i != row.main else ""
-        sides = {"t" + side: ("v", row.t[i]), "b" + side: ("v", row.b[i])}
-        if i == 0:
-            sides["l" * (1 + (i != row.main))] = ("u", row.u[0])
-        if i == row.n - 1:
-            sides["r" * (1 + (i != row.main))] = ("u", row.u[-1])
-        for edge, (axis, position) in sides.items():
-            near_u = min(max(u, row.u[i]), row.u[i + 1]) if axis == "v" else position
-            near_v = position if axis == "v" else min(max(v, row.b[i]), row.t[i])
-            distance = np.hypot(u - near_u, v - near_v)
-            if distance < best:
-                best, name = distance, edge
-    return name

@@ -42,6 +42,7 @@ REGION = np.dtype(
         [
             ("id", np.int64),  # of the first sighting, inherited by resampling
             ("type", np.int64),  # index into the filter's list of types
+            ("level", np.int64),  # storey that it was seen on
             ("n", np.int64),  # rectangles
             ("main", np.int64),  # index of the main rectangle
             ("sightings", np.int64),
@@ -51,6 +52,7 @@ REGION = np.dtype(
             ("rival", np.int64),  # slot of the more credible hypothesis for the same place, -1 for none
             ("visited", np.int64),  # the robot has been inside
             ("type_log_odds", np.float64),
+            ("type_prior", np.float64),  # log-odds of the prior p(m) that is part of it
             ("existence", np.float64),  # log-odds
             ("confidence", np.float64),  # p(z) of a measurement
             ("radius", np.float64),  # of a circle about the anchor that holds the region, m
@@ -127,6 +129,10 @@ class RegionFeature:
         Whether the robot has been inside.
     credible
         False for a hypothesis that is outdone by another type at the same place.
+    level
+        Storey: 0 is the ground floor. Regions of different levels share (x, y).
+    name
+        Name that was given to it, such as "building 2" or "B 4.12"; "" for none.
     """
 
     id: int
@@ -152,6 +158,8 @@ class RegionFeature:
     sightings: int = 1
     visited: bool = False
     credible: bool = True
+    level: int = 0
+    name: str = ""
 
     @property
     def row(self) -> Row:

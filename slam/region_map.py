@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
 from typing import Any, TypeGuard
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from slam import relations, words
+from slam import relations, storeys, words
 from slam.edges import Point
-from slam.geojson import features_to_geojson
+from slam.geojson import features_from_geojson, features_to_geojson
+from slam.map_graph import GraphEdge, MapGraph
 from slam.region import RegionFeature
 from slam.rows import Floats
 
@@ -25,55 +25,13 @@ class UnknownRegionError(ValueError):
     """A region was asked for that the map doesn't hold."""
 
 
-@dataclass(frozen=True)
-class GraphEdge:
-    """An adjacency (kind "adjacent", both directions) or a containment ("contains", target inside source)."""
-
-    source: int
-    target: int
-    kind: str
-    probability: float
-
-
-@dataclass(frozen=True)
-class MapGraph:
-    """The topological map as plain lists: ids of regions as nodes, adjacency and containment as edges."""
-
-    nodes: tuple[int, ...]
-    edges: tuple[GraphEdge, ...]
-    features: tuple[RegionFeature, ...]
-
-    def to_networkx(self) -> Any:
-        """Return a `networkx.MultiDiGraph`; nodes carry `type`, `x`, `y`, edges `kind` and `probability`.
-
-        Raises
-        ------
-        ImportError
-            If networkx isn't installed.
-        """
-        try:
-            import networkx
-        except ImportError as error:
-            raise ImportError(
-                "a networkx graph needs networkx: pip install networkx, or use .nodes and .edges as they are"
-            ) from error
-        graph = networkx.MultiDiGraph()
-        for feature in self.features:
-            x, y = feature.row.centre
-            graph.add_node(feature.id, type=feature.type, x=x, y=y)
-        for edge in self.edges:
-            graph.add_edge(edge.source, edge.target, kind=edge.kind, probability=edge.probability)
-            if edge.kind == "adjacent":
-                graph.add_edge(edge.target, edge.source, kind=edge.kind, probability=edge.probability)
-        return graph
-
-
 class RegionMap:
     """A semantic map of regions in the map frame.
 
     A region is credible if no hypothesis of another type outdoes it at its place, and neither is it more likely absent
     than not, nor its type more likely wrong than right. Queries answer with credible regions, in the order of their
     ids; links and containments count if they are more likely than not. Wherever a region is asked for, its id will do.
+    Queries by type or place look at one `level` or, by default, at all; a building is on every level.
 
     Parameters
     ----------
@@ -89,6 +47,17 @@ class RegionMap:
             raise ValueError(
                 f"region ids must differ; {sorted({i for i in ids if ids.count(i) > 1})} come more than once"
             )
+
+    @classmethod
+    def from_geojson(cls, collection: object) -> RegionMap:
+        """Return the map that `to_geojson` wrote.
+
+        Raises
+        ------
+        MapError
+            If it is no such collection; the message names feature, field and what was expected.
+        """
+        return cls(features_from_geojson(collection))
 
     def __len__(self) -> int:
         return len(self.regions)
@@ -119,21 +88,30 @@ class RegionMap:
         """Semantic types of the credible regions, sorted."""
         return tuple(sorted({feature.type for feature in self.regions}))
 
-    def regions_of_type(self, type: str) -> tuple[RegionFeature, ...]:
-        """Return the credible regions of a semantic type; none for a type that wasn't seen."""
-        return tuple(feature for feature in self.regions if feature.type == type)
+    @cached_property
+    def levels(self) -> tuple[int, ...]:
+        """Levels that the credible regions lie on, from the lowest; a building doesn't count."""
+        return tuple(sorted({feature.level for feature in self.regions if feature.type not in storeys.BUILDINGS}))
 
-    def region_at(self, x: float, y: float) -> RegionFeature | None:
+    def regions_of_type(self, type: str, level: int | None = None) -> tuple[RegionFeature, ...]:
+        """Return the credible regions of a semantic type; none for a type that wasn't seen."""
+        return tuple(feature for feature in self.regions if feature.type == type and storeys.is_on(feature, level))
+
+    def region_at(self, x: float, y: float, level: int | None = None) -> RegionFeature | None:
         """Return the innermost credible region around a point of the map (m), or None."""
-        inside = self.regions_at(x, y)
+        inside = self.regions_at(x, y, level)
         return inside[0] if inside else None
 
-    def regions_at(self, x: float, y: float) -> tuple[RegionFeature, ...]:
-        """Return all credible regions around a point (m), innermost first: deepest containment, then smallest."""
+    def regions_at(self, x: float, y: float, level: int | None = None) -> tuple[RegionFeature, ...]:
+        """Return all credible regions around a point (m), innermost first: deepest containment, then smallest.
+
+        Storeys and buildings come last.
+        """
         centres, radii = self._circles
         near = np.flatnonzero((centres[:, 0] - x) ** 2 + (centres[:, 1] - y) ** 2 <= radii**2)
-        inside = [self.regions[i] for i in near if self.regions[i].row.contains([(x, y)])[0]]
-        return tuple(sorted(inside, key=lambda feature: (-len(self.ancestors(feature)), feature.row.area, feature.id)))
+        around = (self.regions[i] for i in near if storeys.is_on(self.regions[i], level))
+        inside = [feature for feature in around if feature.row.contains([(x, y)])[0]]
+        return tuple(sorted(inside, key=lambda feature: (*self._depth(feature), feature.row.area, feature.id)))
 
     def neighbours(self, region: Reference) -> tuple[RegionFeature, ...]:
         """Return the credible regions linked to a region, the surest link first."""
@@ -165,11 +143,14 @@ class RegionMap:
 
     def in_front_of(self, place: Reference | ArrayLike, target: Reference) -> bool:
         """Return whether a point, pose or the centre of a region is in front of a region (`relations.in_front_of`)."""
-        return relations.in_front_of(self._point(place), self[target], self.parent(target))
+        room = self.parent(target)
+        if room is not None and room.type in storeys.CONTAINERS:
+            room = None
+        return self._share_level(place, target) and relations.in_front_of(self._point(place), self[target], room)
 
     def in_the_middle_of(self, place: Reference | ArrayLike, region: Reference) -> bool:
         """Return whether a point, pose or region's centre is in the middle of one (`relations.in_the_middle_of`)."""
-        return relations.in_the_middle_of(self._point(place), self[region])
+        return self._share_level(place, region) and relations.in_the_middle_of(self._point(place), self[region])
 
     def at_the_end_of(self, place: Reference | ArrayLike, hallway: Reference) -> bool:
         """Return whether a point, pose or region is at the end of a hallway (`relations.at_the_end_of`)."""
@@ -177,16 +158,35 @@ class RegionMap:
         return relations.at_the_end_of(self[where] if _is_reference(where) else self._point(where), self[hallway])
 
     def name(self, region: Reference) -> str:
-        """Return what to call a region: "kitchen" if it is the only one, else "office 3", counted by ids."""
+        """Return what to call a region: the name it was given, or else one derived from its type.
+
+        It is "kitchen" if it is the only one of its level, else "office 3", counted by ids; a storey goes by its level.
+        """
         feature = self[region]
-        alike = self.regions_of_type(feature.type)
+        if feature.name:
+            return feature.name
+        if feature.type in storeys.STOREYS:
+            return storeys.ordinal(feature.level)
+        alike = self.regions_of_type(feature.type, None if feature.type in storeys.BUILDINGS else feature.level)
         if len(alike) < 2 or feature not in alike:
             return feature.type
         return f"{feature.type} {alike.index(feature) + 1}"
 
-    def describe(self, pose: ArrayLike) -> str:
-        """Return a sentence about a pose: "I am in the hallway, next to the door leading to the kitchen."."""
-        return words.describe(self, self._point(pose))
+    def describe(self, pose: ArrayLike, level: int = 0, probabilities: Mapping[int, float] | None = None) -> str:
+        """Return a sentence about a pose: "I am in the hallway, next to the door leading to the kitchen.".
+
+        Parameters
+        ----------
+        pose
+            A point or pose in the map frame.
+        level
+            The storey that it is on.
+        probabilities
+            P(robot in region) by region id (`Belief.where`). With it the sentence tells a doubt about the room.
+        """
+        point = self._point(pose)
+        doubt = words.doubt(self, point, level, probabilities or {})
+        return doubt or words.describe(self, point, level)
 
     def graph(self) -> MapGraph:
         """Return credible regions, links and containments as plain lists (`.to_networkx()` for a graph object)."""
@@ -205,6 +205,16 @@ class RegionMap:
     def to_geojson(self) -> dict[str, Any]:
         """Return all hypotheses as a GeoJSON FeatureCollection in local metres, with every field of Fig. 1."""
         return features_to_geojson(self.hypotheses)
+
+    def _depth(self, region: RegionFeature) -> tuple[bool, int]:
+        """Return what sorts the innermost of regions first; storeys and buildings hold all others."""
+        is_container = region.type in storeys.CONTAINERS
+        above = [r for r in self.ancestors(region) if is_container or r.type not in storeys.CONTAINERS]
+        return is_container, -len(above)
+
+    def _share_level(self, place: object, region: Reference) -> bool:
+        """Return whether two regions have a level in common; a point is on every level."""
+        return not _is_reference(place) or storeys.is_on(self[place], self[region].level)
 
     def _point(self, place: object) -> Point:
         """Return a point from a point, a pose, or a region's centre."""

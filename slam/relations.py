@@ -44,11 +44,13 @@ def link_log_odds(a: RegionFeature, b: RegionFeature) -> float:
 
 
 def next_to(a: RegionFeature, b: RegionFeature) -> bool:
-    """Return whether two regions are linked, or closed edges of theirs face each other within `NEXT_TO`."""
+    """Return whether two regions are linked, or on one level closed edges face each other within `NEXT_TO`."""
     if a.id == b.id:
         return False
     if linked(a, b):
         return True
+    if a.level != b.level:
+        return False
     closed_a, closed_b = (_closed(edges_of(region)) for region in (a, b))
     return any(_facing(one, other) for one in closed_a for other in closed_b)
 
@@ -109,7 +111,8 @@ def in_the_middle_of(point: Point, region: RegionFeature) -> bool:
 def at_the_end_of(place: RegionFeature | Point, hallway: RegionFeature) -> bool:
     """Return whether a region or a point is at the end of a hallway.
 
-    A region is if it is linked to a short end edge or within `END` of one, a point inside the hallway within `END`.
+    A region is if it is linked to a short end edge or, on the same level, within `END` of one; a point is inside the
+    hallway within `END` of one.
     """
     ends = end_edges(hallway)
     if isinstance(place, RegionFeature):
@@ -117,7 +120,7 @@ def at_the_end_of(place: RegionFeature | Point, hallway: RegionFeature) -> bool:
             return False
         if any(hallway.neighbours.get(edge.name, {}).get(place.id, -math.inf) > 0 for edge in ends):
             return True
-        return any(_gap(edge, place) <= END for edge in ends)
+        return place.level == hallway.level and any(_gap(edge, place) <= END for edge in ends)
     return distance_to(hallway.row, place) == 0 and any(edge.distance(place) <= END for edge in ends)
 
 

@@ -41,6 +41,7 @@ class SampledPosterior:
         self.ess = float(len(cloud.particles))
         self._resample_below, self._scheme = config.resample_below, SCHEMES.index(config.resampling)
         self._parameters = tuple(config.parameters())  # Numba unpacks a plain tuple five times faster
+        self._priors = tuple(config.priors())
 
     @classmethod
     def at(cls, pose: Floats, config: SlamConfig, rng: np.random.Generator) -> SampledPosterior:
@@ -90,6 +91,7 @@ class SampledPosterior:
             scan_number,
             watchful,
             self._parameters,
+            self._priors,
         )
         return doubt
 

@@ -16,10 +16,11 @@ from slam.jit import Array, njit
 from slam.lost import contradiction
 from slam.maps import Maps, gather
 from slam.near import demand, find_near
+from slam.priors import Priors
 from slam.proposal import draw, propose
 from slam.region import REGION
 from slam.resampling import ancestors_of
-from slam.semantic_update import update_semantics
+from slam.semantic_update import begin_types, update_semantics
 from slam.topology_update import measured_relations, update_topology
 from slam.turning import observe
 from slam.weights import normalise, weights
@@ -29,7 +30,7 @@ class Seen(NamedTuple):
     """A scan as all particles see it: what was measured, and the regions of each map that it can be of."""
 
     measured: np.ndarray  # (M, 4) of REGION: every measurement in its equivalent descriptions
-    relations: np.ndarray  # (M, M, 2): log-odds of measured links and of containment
+    relations: np.ndarray  # (M, M, 4): log-odds of measured links and of containment, and where links are
     near: np.ndarray  # (P, ...): slots
     n_near: np.ndarray  # (P,)
     demand: tuple[int, int]  # records and links that an update takes at most
@@ -42,16 +43,16 @@ def look_up(
     records: Array,
     type_numbers: Array,
     measured_links: Array,
-    sensor_range: float,
+    parameters: tuple[Any, ...],
 ) -> Any:
     """Return what `Seen` holds."""
-    n, maps = len(records), Maps(*arrays)
+    n, maps, p = len(records), Maps(*arrays), Parameters(*parameters)
     measured = np.zeros((n, 4), REGION)
-    relations = np.empty((n, n, 2))
+    relations = np.empty((n, n, 4))
 
     observe(records, type_numbers, measured)
-    measured_relations(measured, measured_links, relations)
-    near, n_near = find_near(particles, maps, measured, sensor_range)
+    measured_relations(measured, measured_links, p.tolerance, relations)
+    near, n_near = find_near(particles, maps, measured, p.sensor_range)
     return measured, relations, near, n_near, demand(maps, near, n_near, relations)
 
 
@@ -68,12 +69,13 @@ def update_particles(
     scan_number: int,
     watchful: bool,
     parameters: tuple[Any, ...],
+    prior_arrays: tuple[Any, ...],
 ) -> tuple[float, float]:
     """Take one scan through the filter, section III of the paper; return the effective sample size and `contradiction`.
 
     Where the filter is `watchful`, a scan that contradicts the map is not written to it.
     """
-    n, maps, p = len(measured), Maps(*arrays), Parameters(*parameters)
+    n, maps, p, priors = len(measured), Maps(*arrays), Parameters(*parameters), Priors(*prior_arrays)
     associations = np.empty((len(particles), n), ASSOCIATION)
     candidates = np.empty((len(particles), n * CANDIDATES_PER_MEASUREMENT), CANDIDATE)
     n_candidates = np.zeros(len(particles), np.int64)
@@ -86,9 +88,10 @@ def update_particles(
         doubt = contradiction(particles, maps, near, n_near, associations, candidates, n_candidates, view, p)
     if doubt > 0.0:
         return normalise(particles), doubt
-    update_semantics(particles, maps, near, n_near, measured, candidates, n_candidates, p)
+    update_semantics(particles, maps, near, n_near, measured, candidates, n_candidates, p, priors)
     update_geometry(particles, maps, near, n_near, measured, associations, scan_number, p)
-    update_topology(maps, associations, relations, p)
+    begin_types(maps, measured, associations, priors)
+    update_topology(particles, maps, associations, relations, p, priors)
     update_existence(particles, maps, near, n_near, associations, candidates, n_candidates, view, p)
     resolve_duplicates(maps, near, n_near, associations, scan_number, p)
     return normalise(particles), doubt

@@ -6,7 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from slam.edge_form import state_size
 from slam.extent import area
+from slam.innovation import n_closed
 from slam.jit import Array, Record, njit
 from slam.maps import own, region_of
 from slam.region import b_index, u_index
@@ -32,6 +34,7 @@ def update_semantics(
     candidates: Array,
     n_candidates: Array,
     p: Record,
+    priors: Record,
 ) -> None:
     """Sum the evidence for and against every region's type and apply eq. (13).
 
@@ -67,8 +70,56 @@ def update_semantics(
             if n_supporting + n_opposing > 0:
                 p_supp = supporting / n_supporting if n_supporting > 0 else 0.5  # eq. (9)
                 p_opp = opposing / n_opposing if n_opposing > 0 else 0.5  # eq. (10)
-                m = own(maps, i, slot)
-                m.type_log_odds = min(max(m.type_log_odds + p_supp - p_opp, -LIMIT), LIMIT)  # eq. (13)
+                believe(own(maps, i, slot), p_supp, p_opp, priors)
+
+
+@njit
+def believe(m: Record, p_supp: float, p_opp: float, priors: Record) -> None:
+    """Apply eq. (13) to a region.
+
+    The prior p(m) is part of the log-odds from birth on; if the region has grown into another one, that replaces it.
+    Read literally, the prior is subtracted at every scan, and hypotheses run off to either limit unless it is 0.5.
+    """
+    prior = prior_log_odds(m, priors)
+    gain = p_supp - p_opp + prior - m.type_prior
+    if priors.literal:
+        gain -= prior
+    m.type_log_odds = min(max(m.type_log_odds + gain, -LIMIT), LIMIT)
+    m.type_prior = prior
+
+
+@njit
+def begin_types(maps: Record, measured: Array, associations: Array, priors: Record) -> None:
+    """Begin the belief in the types of all regions that this scan has begun."""
+    for i in range(len(associations)):
+        for z in range(len(measured)):
+            slot = associations[i, z].slot
+            if slot >= 0 and region_of(maps, i, slot).sightings == 1:
+                be_born(own(maps, i, slot), measured[z, 0].confidence, priors)
+
+
+@njit
+def be_born(m: Record, confidence: float, priors: Record) -> None:
+    """Give a new region its prior and the support of its first measurement, which it covers."""
+    m.type_log_odds = m.type_prior = prior_log_odds(m, priors)
+    believe(m, confidence, 0.5, priors)
+
+
+@njit
+def prior_log_odds(m: Record, priors: Record) -> Any:
+    """Return the log-odds of p(m), the prior of a region of this type and these dimensions."""
+    inside, least, largest, outside = priors.types[min(m.type, len(priors.types) - 1)]
+    if inside != outside:
+        size = area(m)
+        if size > largest or (size < least and is_whole(m)):
+            return outside
+    return inside
+
+
+@njit
+def is_whole(m: Record) -> bool:
+    """Say whether all edges of a region were seen."""
+    return n_closed(m) == state_size(m.n)
 
 
 @njit

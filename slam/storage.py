@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from slam.geojson import MapError, features_from_geojson
+from slam.geojson import MapError
 from slam.region_map import RegionMap
 
 
@@ -54,7 +54,7 @@ def load_map(path: str | os.PathLike[str]) -> RegionMap:
         If the file is no such map; the message names file, feature and field.
     """
     try:
-        return RegionMap(features_from_geojson(json.loads(Path(path).read_text(encoding="utf-8"))))
+        return RegionMap.from_geojson(json.loads(Path(path).read_text(encoding="utf-8")))
     except (ValueError, RecursionError) as error:
         reason = "it is nested too deeply" if isinstance(error, RecursionError) else error
         raise MapError(f"{os.fspath(path)}: {reason}") from None

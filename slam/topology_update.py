@@ -6,11 +6,19 @@ from typing import Any
 
 import numpy as np
 
+from slam.contact import contact, nearest_edge
+from slam.extent import area
 from slam.jit import Array, Record, njit
 from slam.maps import ADJACENT, INSIDE, add_link, drop_stale_links, own
 from slam.overlap import rows_overlap
 from slam.region import b_index, u_index
 from slam.semantic_update import LIMIT
+
+SAME_CONTACT = 5.0
+"""Contacts nearer than this, in tolerances, are one, whichever edge is the nearest: neighbours may lie in a corner."""
+
+SAME_PLACE = 0.5
+"""Measurements that share more than this part of the larger one take the same place."""
 
 LEAST = 0.01
 """Probabilities are clamped to [LEAST, 1 - LEAST] before log-odds are taken."""
@@ -24,53 +32,93 @@ def logit(probability: float) -> Any:
 
 
 @njit
-def measured_relations(measured: Array, links: Array, evidence: Array) -> None:
-    """Fill `evidence` (M, M, 2) with the log-odds of measured links and of containment.
+def measured_relations(measured: Array, links: Array, tolerance: float, relations: Array) -> None:
+    """Fill `relations` (M, M, 4) with the log-odds of measured links and of containment, and where links are.
 
-    They are p(z_m -> z_n) and, where z_m overlaps z_n, eq. (18); zero means nothing was measured. Two linked
-    measurements are neighbours, so neither is the other's child.
+    The entries `ADJACENT` and `INSIDE` are p(z_m -> z_n) and eq. (18) as log-odds, zero where nothing is known; the
+    last two the contact on z_m, m in the robot's frame. Linked measurements are neighbours, so neither contains the
+    other. Of two that take one place, or are of one type, (18) says nothing: they are hypotheses, or a view too small
+    to tell.
     """
     n = len(measured)
-    evidence[:] = 0.0
+    relations[:] = 0.0
     for k in range(len(links)):
-        # A confidence of exactly one half is a measured link too, so it must not be 0.
-        evidence[links[k].source, links[k].target, ADJACENT] = logit(links[k].confidence) + 1e-12
+        i, j = links[k].source, links[k].target
+        relations[i, j, ADJACENT] = known_log_odds(links[k].confidence)
+        relations[i, j, 2], relations[i, j, 3] = contact(measured[i, 0], measured[j, 0], tolerance)
+    shared, size = shared_areas(measured)
+    for i in range(n):
+        for j in range(n):
+            apart = measured[i, 0].type != measured[j, 0].type and shared[i, j] <= SAME_PLACE * max(size[i], size[j])
+            if i != j and apart:
+                linked = relations[i, j, ADJACENT] != 0.0 or relations[j, i, ADJACENT] != 0.0
+                inside = 0.0 if linked else shared[i, j] / size[i] * min((size[j] / size[i]) ** 2, 1.0)
+                relations[i, j, INSIDE] = known_log_odds(inside)
+
+
+@njit
+def shared_areas(measured: Array) -> Any:
+    """Return what every two measurements have in common, shape (M, M), and the area of each, (M,); m²."""
+    n = len(measured)
     u, b, t = np.zeros((n, 4)), np.zeros((n, 3)), np.zeros((n, 3))
-    area = np.zeros(n)
+    shared, size = np.zeros((n, n)), np.zeros(n)
     for i in range(n):
         z = measured[i, 0]
         for k in range(z.n + 1):
             u[i, k] = z.state[u_index(k)]
         for k in range(z.n):
             b[i, k], t[i, k] = z.state[b_index(k)], z.state[b_index(k) + 1]
-            area[i] += (u[i, k + 1] - u[i, k]) * (t[i, k] - b[i, k])
-    for i in range(n):
-        for j in range(n):
-            # (18) is above one half only for the smaller of two.
-            if (
-                i == j
-                or area[i] > area[j]
-                or evidence[i, j, ADJACENT] != 0.0
-                or measured[i, 0].type == measured[j, 0].type
-            ):
-                continue
-            zi, zj = measured[i, 0], measured[j, 0]
-            shared = rows_overlap(
-                0.0, 0.0, zi.state[0], u[i], b[i], t[i], zi.n, 0.0, 0.0, zj.state[0], u[j], b[j], t[j], zj.n
+        size[i] = area(z)
+        for j in range(i):
+            other = measured[j, 0]
+            phi, phi_j = z.state[0], other.state[0]
+            shared[i, j] = shared[j, i] = rows_overlap(
+                0.0, 0.0, phi, u[i], b[i], t[i], z.n, 0.0, 0.0, phi_j, u[j], b[j], t[j], other.n
             )
-            if shared > 0.0:
-                evidence[i, j, INSIDE] = logit(shared / area[i] * min((area[j] / area[i]) ** 2, 1.0))
+    return shared, size
 
 
 @njit
-def update_topology(maps: Record, associations: Array, evidence: Array, p: Record) -> None:
+def known_log_odds(probability: float) -> Any:
+    """Return log-odds that are not mistaken for nothing: one half is evidence, too."""
+    log_odds = logit(probability)
+    return log_odds if log_odds != 0.0 else 1e-12
+
+
+@njit
+def gain(kind: int, evidence: float, first_type: int, second_type: int, priors: Record) -> Any:
+    """Return what a scan that measured both regions adds to the log-odds of a link, eqs. (14), (16), (17).
+
+    Not to see a link never speaks for it. (18) knows no prior, so that is not subtracted unless (17) is read literally.
+    """
+    prior = prior_of(kind, first_type, second_type, priors)
+    if kind == ADJACENT:
+        return (evidence if evidence != 0.0 else min(priors.link_unseen, prior)) - prior
+    if evidence == 0.0:
+        return 0.0
+    return evidence - prior if priors.literal else evidence
+
+
+@njit
+def prior_of(kind: int, first_type: int, second_type: int, priors: Record) -> Any:
+    """Return the prior log-odds of a link between regions of two types, p(m -> n) or p(m < n)."""
+    table = priors.links if kind == ADJACENT else priors.children
+    last = len(table) - 1
+    return table[min(first_type, last), min(second_type, last)]
+
+
+@njit
+def update_topology(
+    particles: Array, maps: Record, associations: Array, relations: Array, p: Record, priors: Record
+) -> None:
     """Update the beliefs in links between all regions of which the scan measured both, eqs. (16) and (17).
 
-    A link is remembered from its first measurement on. Where either region was not measured nothing changes, eq. (15).
+    A link is remembered from its first measurement on, at every edge of its region by itself, a containment from the
+    first time that it is more likely than not. Where either region was not measured nothing changes, eq. (15).
     """
     n = associations.shape[1]
     measured_as = maps.marks
-    known = np.zeros((n, 2), np.bool_)
+    known, places = np.zeros((n, 2), np.bool_), np.zeros((n, 2))
     for i in range(len(associations)):
         for z in range(n):
             if associations[i, z].slot >= 0:
@@ -80,46 +128,78 @@ def update_topology(maps: Record, associations: Array, evidence: Array, p: Recor
             if slot >= 0:
                 m = own(maps, i, slot)
                 known[:] = False
-                revise(maps, i, m, z, measured_as, evidence, known, p)
+                locate(relations[z], particles[i].pose, places)
+                drop_stale_links(maps, i, m)
+                revise(maps, i, m, relations[z], places, measured_as, known, p, priors)
                 for other in range(n):
                     target = associations[i, other].slot
-                    for kind in range(2):
-                        if (
-                            target >= 0
-                            and target != slot
-                            and evidence[z, other, kind] != 0.0
-                            and not known[other, kind]
-                        ):
-                            remember(maps, m, target, kind, evidence[z, other, kind], p)
+                    if target >= 0 and target != slot:
+                        for kind in range(2):
+                            value = relations[z, other, kind]
+                            if not known[other, kind] and (value > 0.0 or (kind == ADJACENT and value != 0.0)):
+                                second_type = maps.pool[maps.table[i, target]].type
+                                remember(maps, m, target, second_type, kind, value, places[other], priors)
         for z in range(n):
             if associations[i, z].slot >= 0:
                 measured_as[associations[i, z].slot] = -1
 
 
 @njit
+def locate(relations: Array, pose: Array, places: Array) -> None:
+    """Write the contacts of one measurement's links in the map frame, (M, 2)."""
+    c, s = np.cos(pose[2]), np.sin(pose[2])
+    for i in range(len(relations)):
+        if relations[i, ADJACENT] != 0.0:
+            x, y = relations[i, 2], relations[i, 3]
+            places[i, 0], places[i, 1] = pose[0] + c * x - s * y, pose[1] + s * x + c * y
+
+
+@njit
 def revise(
-    maps: Record, particle: int, m: Record, z: int, measured_as: Array, evidence: Array, known: Array, p: Record
+    maps: Record,
+    particle: int,
+    m: Record,
+    relations: Array,
+    places: Array,
+    measured_as: Array,
+    known: Array,
+    p: Record,
+    priors: Record,
 ) -> None:
-    """Update the links that a region already has; mark in `known` those to regions of this scan."""
-    drop_stale_links(maps, particle, m)
+    """Update the links that a region already has; mark in `known` (M, 2) those that the scan measured."""
     index = m.first_link
     while index >= 0:
         link = maps.links[index]
         other = measured_as[link.target]
         if other >= 0:
-            known[other, link.kind] = True
-            value = evidence[z, other, link.kind]
-            if link.kind == ADJACENT:
-                gain = (value if value != 0.0 else p.link_unseen) - p.prior_link
-            else:
-                gain = value if value != 0.0 else logit(0.0)
-            link.log_odds = min(max(link.log_odds + gain, -LIMIT), LIMIT)
+            value = relations[other, link.kind]
+            if link.kind == ADJACENT and value != 0.0:
+                if is_at(m, link.place, places[other], SAME_CONTACT * p.tolerance):
+                    link.place[:] = places[other]
+                else:
+                    value = 0.0  # it was measured at another edge
+            if value != 0.0:
+                known[other, link.kind] = True
+            change = gain(link.kind, value, m.type, maps.pool[maps.table[particle, link.target]].type, priors)
+            link.log_odds = min(max(link.log_odds + change, -LIMIT), LIMIT)
         index = link.next
 
 
 @njit
-def remember(maps: Record, m: Record, target: int, kind: int, evidence: float, p: Record) -> None:
-    """Add a link with its first evidence to the prior."""
+def is_at(m: Record, place: Array, other: Array, nearness: float) -> bool:
+    """Say whether two contacts are the same or lie at one edge of a region."""
+    if (place[0] - other[0]) ** 2 + (place[1] - other[1]) ** 2 < nearness**2:
+        return True
+    return nearest_edge(m, place[0], place[1])[0] == nearest_edge(m, other[0], other[1])[0]
+
+
+@njit
+def remember(
+    maps: Record, m: Record, target: int, second_type: int, kind: int, evidence: float, place: Array, priors: Record
+) -> None:
+    """Add a link: its prior and its first evidence."""
     link = add_link(maps, m)
     link.target, link.target_id, link.kind = target, maps.slots[target].id, kind
-    link.log_odds = evidence if kind == ADJACENT else p.prior_child + evidence
+    link.place[:] = place
+    first = prior_of(kind, m.type, second_type, priors) + gain(kind, evidence, m.type, second_type, priors)
+    link.log_odds = min(max(first, -LIMIT), LIMIT)

@@ -84,7 +84,8 @@ def write(
     out: Record,
 ) -> None:
     """Write a description of which entry i is `sign[i]` times entry `source[i]` of mean and covariance."""
-    out.id, out.type, out.confidence, out.radius = region.id, region.type, region.confidence, region.radius
+    out.id, out.type, out.level = region.id, region.type, region.level
+    out.confidence, out.radius = region.confidence, region.radius
     out.n, out.main = n, main
     out.anchor[0], out.anchor[1] = region.anchor[0], region.anchor[1]
     size = state_size(n)

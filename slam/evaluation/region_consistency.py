@@ -8,19 +8,16 @@ in several ways (a rectangle from any of its sides, an L along either arm): the 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from slam.equivalents import equivalents
 from slam.evaluation.consistency import nees
 from slam.evaluation.matching import moved
-from slam.region import MAX_STATE, b_index, u_index
-from slam.rows import MAX_RECTANGLES, Floats, Row
+from slam.region import EDGE_NAMES, MAX_STATE, EdgeState, b_index, u_index
+from slam.rows import Floats, Row
 from slam.se2 import inverse, wrap_angles
-
-IN_LINE = 1e-6
-"""Edges of a true row nearer to each other than this (m) lie in one line."""
 
 
 def region_nees(record: np.record, true_row: Row, truth_T_map: ArrayLike = (0.0, 0.0, 0.0)) -> tuple[float, int]:
@@ -59,7 +56,7 @@ def region_nees(record: np.record, true_row: Row, truth_T_map: ArrayLike = (0.0,
 def _states(record: np.record, truth: Row) -> Iterator[Floats]:
     """Yield the state vectors that the record would have without error, one for each way to see the truth in it."""
     n = int(record.n)
-    for row in descriptions(truth):
+    for row, _ in equivalents(truth, dict.fromkeys(EDGE_NAMES, EdgeState.CLOSED)):
         boundaries, bottoms, tops = _about(row, record.anchor)
         for offset in range(row.n - n + 1):
             # A closed end is an end of the true row; an open one may leave further rectangles unseen.
@@ -75,47 +72,7 @@ def _states(record: np.record, truth: Row) -> Iterator[Floats]:
                 yield state[: 2 + 3 * n]
 
 
-def descriptions(row: Row) -> list[Row]:
-    """Return every row of at most three rectangles that covers the same set, in the same frame up to quarter turns."""
-    along = [row]
-    across = _across(row)
-    if across is not None:
-        along.append(across)
-    return along + [_reversed(description) for description in along]
-
-
 def _about(row: Row, anchor: ArrayLike) -> tuple[Floats, Floats, Floats]:
     """Return boundaries, bottoms and tops of a row as distances from an anchor along the row's own axes, m."""
     u, v = row.to_local([np.asarray(anchor, float)])[0]
     return row.u - u, row.b - v, row.t - v
-
-
-def _reversed(row: Row) -> Row:
-    """Return the row seen from the other side, its frame turned by half a turn."""
-    return Row(row.x, row.y, row.phi + np.pi, -row.u[::-1], -row.t[::-1], -row.b[::-1], main=row.n - 1 - row.main)
-
-
-def _across(row: Row) -> Row | None:
-    """Return the row along the other axis, its frame turned by a quarter turn, or None if the set isn't one.
-
-    Between neighbouring bottoms and tops the set must be one interval of the first axis; equal intervals are joined.
-    """
-    levels = np.unique(np.concatenate([row.b, row.t]))
-    levels = levels[np.concatenate([[True], np.diff(levels) > IN_LINE])]
-    cuts: list[float] = [float(levels[0])]
-    spans: list[tuple[float, float]] = []
-    for low, high in pairwise(levels):
-        inside = np.flatnonzero((row.b < (low + high) / 2) & ((low + high) / 2 < row.t))
-        if len(inside) == 0 or np.any(np.diff(inside) != 1):
-            return None
-        span = float(row.u[inside[0]]), float(row.u[inside[-1] + 1])
-        if spans and np.allclose(spans[-1], span, atol=IN_LINE):
-            cuts[-1] = float(high)
-        else:
-            spans.append(span)
-            cuts.append(float(high))
-    if len(spans) > MAX_RECTANGLES:
-        return None
-    left, right = np.array(spans).T
-    main = 1 if len(spans) == MAX_RECTANGLES else 0
-    return Row(row.x, row.y, row.phi + np.pi / 2, np.array(cuts), -right, -left, main=main)

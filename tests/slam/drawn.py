@@ -19,7 +19,7 @@ from slam.turning import observe
 from tests.slam.naive import random_covariance
 
 OPEN, CLOSED = EdgeState.OPEN, EdgeState.CLOSED
-P = SlamConfig().parameters()
+P, PRIORS = SlamConfig().parameters(), SlamConfig().priors()
 
 Records = NDArray[np.void]
 

@@ -9,10 +9,10 @@ from slam.measurement import MeasurementNoise
 
 
 def test_probabilities_become_log_odds_and_the_range_a_density() -> None:
-    p = SlamConfig(prior_link=0.2, sensor_range=5.0).parameters()
-    assert p.prior_link == pytest.approx(math.log(0.25))
-    assert p.prior_type == 0.0
-    assert p.log_reference == pytest.approx(math.log(1 / 5))
+    config = SlamConfig(prior_link=0.2, sensor_range=5.0)
+    assert config.priors().links[0, 0] == pytest.approx(math.log(0.25))
+    assert config.priors().types[0, 0] == 0.0
+    assert config.parameters().log_reference == pytest.approx(math.log(1 / 5))
 
 
 @pytest.mark.parametrize(
@@ -31,6 +31,13 @@ def test_probabilities_become_log_odds_and_the_range_a_density() -> None:
         ("correspondence", "midpoints"),
         ("link_unseen", math.nan),
         ("geometric_update", "papers"),
+        ("confirmed_after", 0),
+        ("confirmed_after", True),
+        ("existence_seen", -0.1),
+        ("existence_missed", math.inf),
+        ("existence_floor", 7.0),
+        ("existence_ceiling", math.nan),
+        ("semantics", "literal"),
     ],
 )
 def test_a_bad_setting_is_named_with_its_value(field: str, value: object) -> None:

@@ -123,6 +123,17 @@ def test_of_three_types_only_the_most_credible_stands(order: tuple[int, ...]) ->
         assert standing == [int(np.argmax(log_odds))]
 
 
+def test_a_tentative_hypothesis_does_not_outdo_a_confirmed_one() -> None:
+    """Or nothing would stand at the place: tentative regions are not handed out."""
+    regions = hypotheses(-1.0, 3.0)
+    regions["sightings"][0, :2] = 5, 1
+    resolve(regions, 0, 1)
+    assert regions["rival"][0, :2].tolist() == [-1, 0]
+    regions["sightings"][0, 1] = 5
+    resolve(regions, 0, 1)
+    assert regions["rival"][0, :2].tolist() == [1, -1]
+
+
 def test_the_lead_can_change() -> None:
     regions = hypotheses(2.0, 1.0)
     resolve(regions, 0)

@@ -46,6 +46,8 @@ def full_feature() -> RegionFeature:
         sightings=12,
         visited=True,
         credible=False,
+        level=-2,
+        name="B 4.12",
     )
 
 
@@ -123,6 +125,8 @@ def test_rectangles_apart_make_several_polygons() -> None:
         ("visited", 1, "feature 0: visited is 1, expected true or false"),
         ("id", 1.5, "feature 0: id is 1.5, expected an integer"),
         ("type", 5, "feature 0: type is 5, expected a text"),
+        ("level", "first", "feature 0: level is 'first', expected an integer"),
+        ("name", None, "feature 0: name is None, expected a text"),
     ],
 )
 def test_errors_name_feature_field_and_value(name: str, value: object, message: str) -> None:
@@ -151,3 +155,26 @@ def test_features_of_another_kind_are_skipped() -> None:
     collection = features_to_geojson([full_feature()])
     collection["features"].insert(0, {"type": "Feature", "geometry": None, "properties": {"kind": "wall"}})
     assert len(features_from_geojson(collection)) == 1
+
+
+def test_files_of_version_1_have_one_level_and_no_names() -> None:
+    collection = features_to_geojson([dataclasses.replace(full_feature(), level=0, name="")])
+    collection["version"] = 1
+    for name in ("level", "name"):
+        del collection["features"][0]["properties"][name]
+    (read,) = features_from_geojson(collection)
+    assert_same(read, dataclasses.replace(full_feature(), level=0, name=""))
+    with pytest.raises(MapError, match="feature 0: level is missing"):
+        features_from_geojson({**collection, "version": 2} | {"features": [drop(collection, "level")]})
+
+
+def drop(collection: dict[str, Any], name: str) -> dict[str, Any]:
+    feature = collection["features"][0]
+    properties = {"name": "", "level": 0, **feature["properties"]}
+    return {**feature, "properties": {key: value for key, value in properties.items() if key != name}}
+
+
+@pytest.mark.parametrize("version", [0, 3, "2", None])
+def test_other_versions_are_refused(version: object) -> None:
+    with pytest.raises(MapError, match=r"version is .*, expected 1 to 2"):
+        features_from_geojson({**features_to_geojson([]), "version": version})

@@ -131,3 +131,12 @@ def test_a_closed_ring_is_opened_and_a_clockwise_one_refused() -> None:
     np.testing.assert_array_equal(view, square)
     with pytest.raises(ValueError, match="counter-clockwise"):
         Scan([], view=np.array(square[::-1]))
+
+
+def test_a_scan_is_of_one_level() -> None:
+    assert Scan().level == 0
+    assert Scan([RegionMeasurement("office", 0, 0, 4, 3)], level=np.int64(-1)).level == -1
+    assert Scan.from_records(np.zeros(0, MEASUREMENT), (), level=3).level == 3
+    for level in (1.5, "first", True, None):
+        with pytest.raises(ValueError, match=r"level is .*, expected an integer"):
+            Scan(level=level)  # type: ignore[arg-type]

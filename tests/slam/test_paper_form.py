@@ -11,9 +11,8 @@ from slam.edge_form import state_size
 from slam.geometric_update import start
 from slam.maps import ADJACENT, INSIDE, add_link
 from slam.measurement import RegionMeasurement
-from slam.paper_form import facing_edge, row_of, to_feature, to_features, to_links, to_region
+from slam.paper_form import row_of, to_feature, to_features, to_links, to_region
 from slam.region import REGION, EdgeState, RegionFeature, Subrectangle
-from slam.rows import Row
 from tests.slam import naive
 from tests.slam.drawn import CLOSED, OPEN, P, mapped, maps, measured, random_measurement, random_state, stored
 
@@ -113,6 +112,7 @@ def features(draw: st.DrawFn) -> RegionFeature:
         existence=2.5,
         sightings=7,
         visited=True,
+        level=2,
     )
 
 
@@ -181,6 +181,7 @@ def test_links_and_children_by_id() -> None:
         add_link(drawn, regions[0, source])
         link = drawn.links[regions[0, source].first_link]
         link.target, link.target_id, link.kind, link.log_odds = target, target_id, kind, log_odds
+        link.place[:] = 0.5, 0.9
     features = {m.id: m for m in to_features(drawn, 0, ["office"], 3)}
     assert set(features) == {100, 101, 102}
     assert features[100].neighbours == {"t": {101: 2.0}}
@@ -192,30 +193,12 @@ def test_links_and_children_by_id() -> None:
     assert features[100].neighbours == {}  # tentative regions aren't handed out, nor links to them
 
 
-@pytest.mark.parametrize(
-    ("x", "y", "edge"),
-    [
-        (0, 4, "t"),
-        (0, -4, "b"),
-        (-5, 3, "tl"),
-        (-5, -3, "bl"),
-        (-9, 0, "ll"),
-        (6, 3, "tr"),
-        (6, -3, "br"),
-        (9, 0, "rr"),
-    ],
-)
-def test_the_edge_that_faces_a_neighbour(x: float, y: float, edge: str) -> None:
-    row = Row.from_parameters(0, 0, 4, 4, left=(4, 2, 0), right=(5, 2, 0))
-    assert facing_edge(row, Row.from_parameters(x, y, 1, 1)) == edge
-    one = Row.from_parameters(0, 0, 14, 2)
-    assert facing_edge(one, Row.from_parameters(x, y, 1, 1)) == {-9: "l", 9: "r"}.get(x, "t" if y > 0 else "b")
-
-
 def test_a_feature_holds_its_standing() -> None:
     m = mapped([0, -2, 2, -1, 1])
     m.rival, m.visited, m.existence, m.sightings, m.type_log_odds, m.type, m.id = 3, 1, 2.5, 7, -1.5, 1, 42
+    m.level = -1
     feature = to_feature(m, ["office", "kitchen"])
+    assert (feature.level, feature.name) == (-1, "")
     assert isinstance(feature, RegionFeature)
     assert (feature.id, feature.type, feature.type_log_odds, feature.existence) == (42, "kitchen", -1.5, 2.5)
     assert (feature.sightings, feature.visited, feature.credible) == (7, True, False)

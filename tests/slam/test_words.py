@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
+from slam.naming import called
 from slam.region import EdgeState, RegionFeature, Subrectangle
 from slam.region_map import RegionMap
-from slam.words import called
 
 
 @pytest.mark.parametrize(
@@ -56,3 +56,22 @@ def test_rooms_without_doors_are_next_to_each_other() -> None:
     kitchen = RegionFeature(1, "kitchen", 0.0, 0, 0, 6, 6, 0.0, neighbours={"r": {2: 2.0}})
     lobby = RegionFeature(2, "lobby", 0.0, 6, 0, 6, 6, 0.0)
     assert RegionMap([kitchen, lobby]).describe((2.5, 0)) == "I am in the kitchen, next to the lobby."
+
+
+@pytest.mark.parametrize(
+    ("probabilities", "sentence"),
+    [
+        ({31: 0.7, 32: 0.25}, "I am probably in office 1 (70 %) or office 2 (25 %)."),
+        ({31: 0.4, 32: 0.35, 10: 0.2}, "I am perhaps in office 1 (40 %), office 2 (35 %) or the hallway (20 %)."),
+        ({31: 0.9, 32: 0.1}, "I am in office 1, next to a desk."),
+        ({31: 0.7, 32: 0.05, 51: 0.5, 41: 0.4}, "I am in office 1, next to a desk."),  # a desk is no other room
+        ({}, "I am in office 1, next to a desk."),
+    ],
+)
+def test_doubt_is_told(drawn: RegionMap, probabilities: dict[int, float], sentence: str) -> None:
+    assert drawn.describe((10.0, 5), probabilities=probabilities) == sentence
+
+
+def test_in_a_door_there_is_no_doubt(drawn: RegionMap) -> None:
+    there = drawn.describe((5, 2), probabilities={10: 0.5, 20: 0.5})
+    assert there == "I am in the door between the kitchen and the hallway."
