@@ -128,6 +128,7 @@ class RegionSLAM:
         self._scan_number += 1
         measured = np.zeros((len(scan), 4), REGION)
         observe(scan.records, self._type_numbers(scan.types), measured)
+        measured["level"] = scan.level
         search.update(posterior.cloud.maps, measured, _view_of(scan))
         found = search.found
         if found is not None:
@@ -146,6 +147,7 @@ class RegionSLAM:
                 scan.records,
                 self._type_numbers(scan.types),
                 scan.links,
+                scan.level,
                 self._parameters,
             )
         )

@@ -65,7 +65,7 @@ def matched_poses(measured: Array, regions: Array, tolerance: float, poses: Arra
     for j in range(len(measured)):
         for k in range(len(regions)):
             m = regions[k]
-            if measured[j, 0].type != m.type:
+            if measured[j, 0].type != m.type or measured[j, 0].level != m.level:
                 continue
             for quarters in range(4):
                 z = measured[j, quarters]

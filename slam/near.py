@@ -15,8 +15,8 @@ LEEWAY = 1 / 4
 
 
 @njit
-def find_near(particles: Array, maps: Record, measured: Array, sensor_range: float) -> Any:
-    """List, for every particle, the slots of its regions that the scan can touch.
+def find_near(particles: Array, maps: Record, measured: Array, level: int, sensor_range: float) -> Any:
+    """List, for every particle, the slots of its regions of a level that the scan can touch.
 
     Returns the slots (P, K + M), ascending, with room for as many new regions as there are measurements, and their
     numbers (P,).
@@ -42,7 +42,7 @@ def find_near(particles: Array, maps: Record, measured: Array, sensor_range: flo
             if record >= 0:
                 region = maps.pool[record]
                 dx, dy, limit = region.anchor[0] - pose[0], region.anchor[1] - pose[1], own_reach + region.radius
-                if dx * dx + dy * dy < limit * limit:
+                if region.level == level and dx * dx + dy * dy < limit * limit:
                     near[i, n_near[i]] = slot
                     n_near[i] += 1
     return near, n_near

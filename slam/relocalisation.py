@@ -146,7 +146,7 @@ def weigh(
     weights are.
     """
     maps, p, n = Maps(*arrays), Parameters(*parameters), len(measured)
-    near, n_near = find_near(hypotheses, maps, measured, p.sensor_range)
+    near, n_near = find_near(hypotheses, maps, measured, measured[0, 0].level, p.sensor_range)
     associations = np.empty((len(hypotheses), n), ASSOCIATION)
     candidates = np.empty((len(hypotheses), n * CANDIDATES_PER_MEASUREMENT), CANDIDATE)
     n_candidates = np.zeros(len(hypotheses), np.int64)

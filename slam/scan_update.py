@@ -43,6 +43,7 @@ def look_up(
     records: Array,
     type_numbers: Array,
     measured_links: Array,
+    level: int,
     parameters: tuple[Any, ...],
 ) -> Any:
     """Return what `Seen` holds."""
@@ -51,8 +52,9 @@ def look_up(
     relations = np.empty((n, n, 4))
 
     observe(records, type_numbers, measured)
+    measured["level"][:] = level
     measured_relations(measured, measured_links, p.tolerance, relations)
-    near, n_near = find_near(particles, maps, measured, p.sensor_range)
+    near, n_near = find_near(particles, maps, measured, level, p.sensor_range)
     return measured, relations, near, n_near, demand(maps, near, n_near, relations)
 
 

@@ -312,3 +312,16 @@ def test_a_bad_start_is_refused(pose: object) -> None:
 def test_bad_odometry_is_refused() -> None:
     with pytest.raises(ValueError, match="odometry"):
         RegionSLAM(seed=0).step(Odometry(math.nan), Scan())
+
+
+def test_storeys_are_mapped_one_above_the_other() -> None:
+    """Rooms of one type and place on two floors are two regions; on the upper floor the lower one is not missed."""
+    slam = RegionSLAM(SlamConfig(n_particles=2), seed=0)
+    view = np.array([[7.0, -7], [7, 7], [-7, 7], [-7, -7]])
+    office, kitchen = RegionMeasurement("office", 0, 0, 5, 4), RegionMeasurement("kitchen", 4.5, 0, 3.5, 4)
+    for level, seen in ((0, [office, kitchen]), (1, [office]), (0, [office, kitchen])):
+        for _ in range(8):
+            belief = slam.step(Odometry(0.0), Scan(seen, view=view, level=level))
+    assert [(m.type, m.level) for m in belief.map.regions] == [("office", 0), ("kitchen", 0), ("office", 1)]
+    assert belief.map.regions_of_type("kitchen")[0].existence > 4
+    assert not belief.lost
