@@ -246,3 +246,46 @@ def test_other_descriptions_change_nothing_that_matters(seed: int) -> None:
         )
         assert differences(m, n).max() < 0.6
         assert iou(row_of(n), row) > 0.75
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "settings", [{"posterior": "joint"}, {"geometric_update": "paper"}, {"correspondence": "paper"}]
+)
+@pytest.mark.parametrize("seed", range(3))
+def test_every_model_is_as_indifferent(settings: dict[str, str], seed: int) -> None:
+    drive = course(seed)
+    first = run(drive, **settings)
+    start = (-200.0, 70.0, 2.1)
+    same_beliefs(first, run(drive, start=start, **settings), start, 1.0, 1e-6)
+    same_beliefs(first, run(drive, 1000.0, **settings), (0, 0, 0), 1000.0, 1e-6)
+    same_beliefs(first, run(course(seed, written="turned"), **settings), (0, 0, 0), 1.0, 1e-6)
+
+
+def noisy(z: RegionMeasurement, rng: np.random.Generator) -> RegionMeasurement:
+    """Independent noise on every parameter, as told."""
+    noise = MeasurementNoise()
+
+    def size(value: float) -> float:
+        return max(0.2 * value, value + math.sqrt(noise.variance_of_size(value)) * rng.standard_normal())
+
+    def sub(s: Subrectangle | None) -> Subrectangle | None:
+        return s and replace(s, w=size(s.w), h=size(s.h), y=s.y + noise.sigma_xy * rng.standard_normal())
+
+    x, y = (z.x, z.y) + noise.sigma_xy * rng.standard_normal(2)
+    phi = z.phi + noise.sigma_phi * rng.standard_normal()
+    return replace(z, x=x, y=y, w=size(z.w), h=size(z.h), phi=phi, left=sub(z.left), right=sub(z.right))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("written", ["as annotated", "any"])
+def test_noise_in_any_description_makes_no_duplicate(written: str) -> None:
+    overlaps = []
+    for seed in range(12):
+        rng = np.random.default_rng(100 + seed)
+        drive = [(odometry, [noisy(z, rng) for z in looks]) for odometry, looks in course(seed, 60, written)]
+        regions = run(drive)[-1].map.regions
+        assert sorted(m.type for m in regions) == sorted(kind for kind, _ in floor())
+        rows = dict(floor())
+        overlaps += [iou(m.row, rows[m.type][0]) for m in regions]
+    assert np.mean(overlaps) > 0.92
