@@ -17,8 +17,8 @@ from slam.evaluation.region_consistency import region_nees
 from slam.evaluation.trajectory import ape
 from slam.rows import Floats
 
-POSTERIORS: Mapping[str, Mapping[str, Any]] = {"fastslam2": {}}
-"""Filters to compare: settings beside the number of particles."""
+POSTERIORS: Mapping[str, Mapping[str, Any]] = {"fastslam2": {}, "joint": {"posterior": "joint"}}
+"""Filters to compare: settings beside the number of particles, or of association hypotheses."""
 
 OPTIMUM, BATCH = "optimum", "batch"
 

@@ -56,6 +56,10 @@ class SlamConfig:
     gate_associate, gate_new
         Squared Mahalanobis distances: below the first a measurement may be associated, above the second it is a new
         region, in between it is used for neither (Montemerlo & Thrun 2003). Wide, because particles are overconfident.
+    drawn_after
+        Number of scans after which poses are drawn; until then a particle takes the mean of its proposal. The first
+        scans fix how the frame of the map lies, and in the end all particles descend from one: what it had drawn there
+        would stay, and make the frame's error 1.4 times that of the optimum with any number of particles.
     resample_below
         Resample when the effective sample size falls below this share of the particles.
     resampling
@@ -91,6 +95,7 @@ class SlamConfig:
     correspondence: Literal["edges", "paper"] = "edges"
     gate_associate: float = 50.0
     gate_new: float = 200.0
+    drawn_after: int = 30
     resample_below: float = 0.5
     resampling: str = "systematic"
     prior_type: PriorByType = PRIOR_TYPE
@@ -113,6 +118,8 @@ class SlamConfig:
             value = getattr(self, name)
             if not (isinstance(value, int | np.integer) and not isinstance(value, bool) and value >= 1):
                 raise ValueError(f"{name} is {value!r}, expected an integer of at least 1")
+        if not (isinstance(self.drawn_after, int | np.integer) and self.drawn_after >= 0):
+            raise ValueError(f"drawn_after is {self.drawn_after!r}, expected an integer of at least 0")
         if not 0 < self.resample_below <= 1:
             raise ValueError(f"resample_below is {self.resample_below!r}, expected a share above 0, at most 1")
         object.__setattr__(self, "prior_type", checked_by_type("prior_type", self.prior_type))

@@ -39,6 +39,7 @@ class SampledPosterior:
     def __init__(self, cloud: ParticleSet, config: SlamConfig, rng: np.random.Generator) -> None:
         self.cloud, self._rng = cloud, rng
         self.ess = float(len(cloud.particles))
+        self._drawn_after = config.drawn_after
         self._resample_below, self._scheme = config.resample_below, SCHEMES.index(config.resampling)
         self._parameters = tuple(config.parameters())  # Numba unpacks a plain tuple five times faster
         self._priors = tuple(config.priors())
@@ -79,6 +80,9 @@ class SampledPosterior:
         measured, relations, near, n_near, (records, links) = seen
         cloud = self.cloud
         cloud.make_room(slots=len(measured), records=records, links=links)
+        normals = self._rng.standard_normal((len(cloud.particles), 3))
+        if scan_number <= self._drawn_after:
+            normals[:] = 0.0
         self.ess, doubt = update_particles(
             cloud.particles,
             tuple(cloud.maps),
@@ -87,7 +91,7 @@ class SampledPosterior:
             near,
             n_near,
             view,
-            self._rng.standard_normal((len(cloud.particles), 3)),
+            normals,
             scan_number,
             watchful,
             self._parameters,

@@ -22,6 +22,7 @@ def test_probabilities_become_log_odds_and_the_range_a_density() -> None:
         ("n_particles", 2.5),
         ("prior_type", 0.0),
         ("prior_link", 1.0),
+        ("drawn_after", -1),
         ("resample_below", 1.5),
         ("sensor_range", math.inf),
         ("sensor_range", -1.0),
