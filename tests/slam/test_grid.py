@@ -15,12 +15,14 @@ class Circles:
         self.layers = np.zeros(1, np.int64)
         self.slots["x"], self.slots["y"] = rng.uniform(-60, 60, (2, n))
         self.slots["radius"] = np.exp(rng.uniform(-2, 4.5, n))
+        self.slots["holders"] = 1
         self.present = set(range(n))
         for slot in range(n):
             enter(self.slots, self.buckets, slot, self.layers)
 
     def leave(self, slot: int) -> None:
         leave(self.slots, self.buckets, slot)
+        self.slots["holders"][slot] = 0
         self.present.remove(slot)
 
     def found(self, x: float, y: float, radius: float) -> list[int]:
@@ -47,7 +49,7 @@ def test_an_empty_grid_and_a_circle_of_a_kilometre() -> None:
     assert Circles(0, 0).found(0, 0, 5.0) == []
     one = Circles(1, 0)
     one.leave(0)
-    one.slots["radius"] = 1000.0
+    one.slots["radius"], one.slots["holders"] = 1000.0, 1
     enter(one.slots, one.buckets, 0, one.layers)
     one.present.add(0)
     assert one.found(900.0, 0.0, 1.0) == [0]
