@@ -17,8 +17,10 @@ from slam.particles import PARTICLE
 from slam.region import MAX_STATE, REGION
 from slam.turning import turn
 
-MARGIN = 3.0
-"""Centres within this distance, in tolerances, of the other region make two regions candidates for one place."""
+MARGIN, LARGEST_MARGIN = 3.0, 1 / 25
+"""Centres within this distance (tolerances, but at most that share of the sensor's range) of the other region make two
+regions candidates for one place. The noisiest sensor does not move desks that stand back to back on either side of a
+wall into each other."""
 
 TWIN_OVERLAP = 0.5
 """Share of the smaller of two regions of one type from which they cannot both be there."""
@@ -48,7 +50,7 @@ def find_twins(
 
     Each scan looks at one of its regions in turn: duplicates need no answer within a tenth of a second.
     """
-    twins, n, margin = np.empty((n_near[i], 2), np.int64), 0, MARGIN * p.tolerance
+    twins, n, margin = np.empty((n_near[i], 2), np.int64), 0, margin_of(p)
     if associations.shape[1] == 0:
         return twins[:0]
     slot = associations[i, scan_number % associations.shape[1]].slot
@@ -90,9 +92,15 @@ def settle_rivalry(maps: Record, particle: int, slot: int, p: Record) -> None:
     gone = maps.table[particle, m.rival] < 0
     if not gone:
         rival = region_of(maps, particle, m.rival)
-        gone = not are_rivals(m, rival, MARGIN * p.tolerance) or leads(m, rival, p)
+        gone = not are_rivals(m, rival, margin_of(p)) or leads(m, rival, p)
     if gone:
         own(maps, particle, slot).rival = -1
+
+
+@njit
+def margin_of(p: Record) -> float:
+    """Return how far apart two estimates of one place may be beyond its bounds, m."""
+    return min(MARGIN * p.tolerance, LARGEST_MARGIN * p.sensor_range)
 
 
 @njit

@@ -3,19 +3,21 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from slam.config import Parameters, SlamConfig
 from slam.duplicates import are_rivals, resolve_duplicates, share_place
+from slam.measurement import MeasurementNoise
 from tests.slam.drawn import P, forget_dropped, links_to, mapped, maps, near, stored
 
 SCAN = 12
 ROOM = [0.0, -2, 2, -1.5, 1.5]
 
 
-def resolve(regions: np.ndarray, *slots: int) -> None:
+def resolve(regions: np.ndarray, *slots: int, p: Parameters = P) -> None:
     """Resolve after a scan that measured these slots."""
     for turn in range(len(slots)):
         regions["last_seen"][0, list(slots)] = SCAN + turn
         drawn = stored(regions)
-        resolve_duplicates(drawn, *near(drawn), links_to(*((s, 0, 0, 0) for s in slots)), SCAN + turn, P)
+        resolve_duplicates(drawn, *near(drawn), links_to(*((s, 0, 0, 0) for s in slots)), SCAN + turn, p)
         forget_dropped(regions, drawn)
 
 
@@ -66,6 +68,15 @@ def test_neighbours_stay() -> None:
 def test_two_regions_of_one_scan_are_two() -> None:
     regions = maps(mapped(ROOM, (0.2, 0), 0.02), mapped(ROOM, (0, 0), 0.02))
     resolve(regions, 0, 1)
+    assert regions["n"][0, :2].tolist() == [1, 1]
+
+
+def test_desks_back_to_back_stay_two_whatever_the_noise() -> None:
+    """The noisier the sensor, the farther apart estimates of one place may be; but a second desk stands by the wall."""
+    desk = [0.0, -0.8, 0.8, -0.4, 0.4]
+    noisy = SlamConfig(measurement_noise=MeasurementNoise(0.3, 0.3, 0.05)).parameters()
+    regions = maps(mapped(desk, (0, 0), 0.02), mapped(desk, (0.5, 0.8), 0.02))
+    resolve(regions, 0, p=noisy)
     assert regions["n"][0, :2].tolist() == [1, 1]
 
 
