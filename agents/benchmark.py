@@ -1,4 +1,4 @@
-"""Speed, measured: the whole environment by part, and the filter alone.
+"""Speed of the whole environment, by part.
 
 Other programs on the same core make a machine up to two times slower. A fixed loop is therefore timed around every
 repeat, and only repeats that ran while that loop was about as quick as ever are kept.
@@ -15,10 +15,6 @@ import gymnasium
 import numpy as np
 
 from regionslam_env.errors import ConfigError
-from slam.config import SlamConfig
-from slam.fastslam import RegionSLAM
-from slam.measurement import RegionMeasurement, Scan
-from slam.motion import Odometry
 
 QUIET = 1.15
 """A repeat counts if the fixed loop around it took at most this much longer than its quickest run."""
@@ -79,46 +75,6 @@ def benchmark_environment(
     }
     env.close()
     return result
-
-
-def benchmark_filter(
-    n_particles: int = 4, measurements: int = 12, regions: int = 30, steps: int = 2_000, repeats: int = 10
-) -> dict[str, Any]:
-    """Return the time of one filter step, µs, with that many measurements of that many mapped regions."""
-    slam = RegionSLAM(SlamConfig(n_particles=n_particles), seed=0)
-    columns = int(np.ceil(np.sqrt(regions)))
-    places = [(6.0 * (k % columns), 5.0 * (k // columns)) for k in range(regions)]
-    middle = np.mean(places, axis=0)
-
-    def scan(indices: list[int]) -> Scan:
-        return Scan(
-            [
-                RegionMeasurement(f"type {k % 5}", places[k][0] - middle[0], places[k][1] - middle[1], 5.5, 4.5)
-                for k in indices
-            ]
-        )
-
-    still = Odometry(0.0)
-    for first in range(0, regions, measurements):
-        for _ in range(5):
-            slam.step(still, scan(list(range(first, min(regions, first + measurements)))))
-    nearest = np.argsort(np.hypot(*(np.array(places) - middle).T), kind="stable")[:measurements]
-    view = scan(nearest.tolist())
-    count = max(1, steps // repeats)
-
-    def repeat() -> None:
-        for _ in range(count):
-            slam.step(still, view)
-
-    durations, quiet = timed(repeat, repeats)
-    return {
-        "filter_us": 1e6 * float(np.median(durations[quiet])) / count,
-        "particles": n_particles,
-        "measurements": measurements,
-        "regions": len(slam.belief.map),
-        "quiet": int(quiet.sum()),
-        "repeats": repeats,
-    }
 
 
 def timed(repeat: Callable[[], object], repeats: int) -> tuple[np.ndarray, np.ndarray]:

@@ -45,14 +45,24 @@ def environment(steps: Steps = 20_000, world: WorldName = "institute", json: Jso
 
 
 @app.command("filter")
-def filter_(steps: Steps = 2_000, json: Json = False) -> int:
-    """Time one step of the filter."""
-    from agents.benchmark import benchmark_filter
+def filter_(json: Json = False) -> int:
+    """Time an update over particles, measurements and regions, and by part; weigh the maps of 1,000 particles."""
+    from agents.filter_benchmark import benchmark_filter
 
-    result = benchmark_filter(steps=steps)
-    console().print(
-        f"{result['filter_us']:.0f} µs per step with {result['particles']} particles,"
-        f" {result['measurements']} measurements, {result['regions']} regions"
+    say = console()
+    result = benchmark_filter(say.print)
+    for part, microseconds in result["parts_us"].items():
+        say.print(f"  {part:<14}{microseconds:8.1f} µs")
+    stored = result["memory"]
+    say.print(
+        f"{result['update_us']:.0f} µs per update of 4 particles, 12 measurements, 30 regions; "
+        f"{result['tour_us']:.0f} µs on the tour with {result['tour_measurements']:.0f} measurements"
+    )
+    say.print(f"{result['map_size_ratio']:.2f} times as long with 10,000 regions in the map and the same view")
+    say.print(f"{result['particles_1000_hz']:.0f} updates per second of 1,000 particles")
+    say.print(
+        f"1,000 particles x 10,000 regions, {stored['driven']:.0f} m driven: {stored['megabytes']:.0f} MB "
+        f"({stored['unshared_megabytes']:.0f} MB if they shared nothing)"
     )
     return _done(result, json)
 

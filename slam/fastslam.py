@@ -80,6 +80,27 @@ class RegionSLAM:
         self._search: Search | None = None
         return self.belief
 
+    def take_map(self, other: RegionSLAM) -> Belief:
+        """Start over on the map and at the pose of another filter's heaviest particle; return the belief.
+
+        Raises
+        ------
+        ValueError
+            If either posterior is the joint one, whose map cannot be parted from its pose.
+        """
+        theirs = other._posterior
+        if not isinstance(self._posterior, SampledPosterior) or not isinstance(theirs, SampledPosterior):
+            raise ValueError("posterior is 'joint', expected 'fastslam2' for both filters")
+        self.reset()
+        heaviest = int(np.argmax(theirs.cloud.particles["log_weight"]))
+        cloud = theirs.cloud.repeated(heaviest, self.config.n_particles)
+        self._posterior = SampledPosterior(cloud, self.config, self._rng)
+        numbers = self._type_numbers(other._types)
+        if len(numbers) > 0:
+            cloud.maps.pool["type"] = numbers[cloud.maps.pool["type"]]
+        self._scan_number = other._scan_number
+        return self.belief
+
     def step(self, odometry: Odometry, scan: Scan, pose: ArrayLike | None = None) -> Belief:
         """Predict with the odometry, update with the scan, and return the belief.
 
@@ -154,6 +175,11 @@ class RegionSLAM:
         doubt = posterior.update(seen, _view_of(scan), self._scan_number, watchful)
         self._doubt = max(self._doubt + doubt, 0.0)
         return self.relocalise() if self._doubt > LOST else self.belief
+
+    @property
+    def posterior(self) -> SampledPosterior | JointPosterior:
+        """What the belief is made of: the particles and their maps."""
+        return self._posterior
 
     @property
     def belief(self) -> Belief:

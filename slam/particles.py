@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from slam.grid import SLOT, enter
-from slam.jit import njit
+from slam.jit import Record, njit
 from slam.maps import (
     FIRST_FREE_LINK,
     FREE_LINKS,
@@ -20,6 +20,7 @@ from slam.maps import (
     LINK_BELIEF,
     USED_SLOTS,
     Maps,
+    drop,
     gather,
 )
 from slam.region import REGION
@@ -66,6 +67,19 @@ class ParticleSet:
     def from_arrays(cls, arrays: Mapping[str, NDArray[Any]]) -> ParticleSet:
         """Return the set of which `to_arrays` gave the arrays."""
         return cls(arrays["particles"], Maps(*(arrays[name] for name in Maps._fields)))
+
+    def repeated(self, particle: int, count: int) -> ParticleSet:
+        """Return `count` particles at the place of one, that share its map until they write to it."""
+        maps = Maps(*(array.copy() for array in self.maps))
+        keep_one_map(maps, particle)
+        known = maps.table[particle] >= 0
+        maps.holders[maps.table[particle, known]] = count
+        maps.slots["holders"][known] = count
+        particles = np.repeat(self.particles[particle : particle + 1], count)
+        particles["log_weight"] = -np.log(count)
+        return ParticleSet(
+            particles, maps._replace(table=np.repeat(maps.table[particle : particle + 1], count, axis=0))
+        )
 
     def make_room(self, slots: int, records: int, links: int) -> None:
         """Grow the arrays so that there is room for so many more slots, records and links."""
@@ -141,6 +155,15 @@ def with_more_slots(maps: Maps, needed: int) -> Maps:
     )
     enter_all(grown.slots, grown.buckets, used, grown.counts[LAYERS:])
     return grown
+
+
+@njit
+def keep_one_map(maps: Record, particle: int) -> None:
+    """Let all particles but one forget everything."""
+    for i in range(len(maps.table)):
+        for slot in range(maps.counts[USED_SLOTS] if i != particle else 0):
+            if maps.table[i, slot] >= 0:
+                drop(maps, i, slot)
 
 
 @njit

@@ -5,7 +5,7 @@ import time
 import numpy as np
 import pytest
 
-from agents.benchmark import PARTS, benchmark_environment, benchmark_filter, timed
+from agents.benchmark import PARTS, benchmark_environment, timed
 
 
 @pytest.mark.compiled
@@ -15,12 +15,6 @@ def test_the_environment_is_timed_by_part():
     parts = result["microseconds"]
     assert set(parts) == {*PARTS, "other", "total"} and all(parts[part] > 0 for part in PARTS)
     assert sum(v for k, v in parts.items() if k != "total") == pytest.approx(parts["total"])
-
-
-@pytest.mark.compiled
-def test_the_filter_is_timed_on_a_map_of_the_size_asked_for():
-    result = benchmark_filter(measurements=4, regions=9, steps=20, repeats=2)
-    assert result["filter_us"] > 0 and result["regions"] == 9
 
 
 def test_every_repeat_is_timed_and_at_least_one_counts_as_quiet():
