@@ -12,10 +12,10 @@ from typing import Any
 
 import numpy as np
 
-from slam.comparison import CANDIDATE, box, compare
+from slam.comparison import CANDIDATE, box, compare, compare_in
 from slam.edge_form import state_size
 from slam.extent import area
-from slam.innovation import n_closed, workspace
+from slam.innovation import frame_of, n_closed, workspace
 from slam.jit import Array, Record, njit
 from slam.maps import region_of
 from slam.semantic_update import SAME_PLACE
@@ -65,10 +65,12 @@ def associate(
     work = workspace(p.tolerance)
     turned, found = np.zeros_like(measured[:1, 0]), np.zeros(1, CANDIDATE)
     circles = bounding_circles(measured)
-    areas = np.zeros(near.shape[1])
+    areas, frames = np.zeros(near.shape[1]), np.zeros((near.shape[1], 4))
     for i in range(len(particles)):
         for j in range(n_near[i]):
-            areas[j] = area(region_of(maps, i, near[i, j]))
+            m = region_of(maps, i, near[i, j])
+            areas[j] = area(m)
+            frames[j, 0], frames[j, 1], frames[j, 2], frames[j, 3] = frame_of(m, particles[i].pose)
         pose = particles[i].pose
         c, s = np.cos(pose[2]), np.sin(pose[2])
         margin = MARGIN * p.sensor_range + 5.0 * np.sqrt(particles[i].cov[0, 0] + particles[i].cov[1, 1])
@@ -85,7 +87,8 @@ def associate(
                     continue
                 if measured[z, 0].type != m.type and not are_alike(circles[z, 3], areas[j]):
                     continue
-                if compare(measured[z], m, particles[i], p, work, turned[0], found[0]):
+                frame = (frames[j, 0], frames[j, 1], frames[j, 2], frames[j, 3])
+                if compare_in(frame, measured[z], m, particles[i], p, work, turned[0], found[0]):
                     found[0].z, found[0].slot = z, near[i, j]
                     n = keep(candidates[i], first, n, found[0])
         n_candidates[i] = n

@@ -11,7 +11,16 @@ from typing import Any
 
 import numpy as np
 
-from slam.innovation import DRIFT, correspond, innovate, is_admissible, log_likelihood, midpoint_distance
+from slam.innovation import (
+    DRIFT,
+    correspond,
+    frame_of,
+    innovate,
+    is_admissible,
+    log_likelihood,
+    match_edges,
+    midpoint_distance,
+)
 from slam.jit import Array, Record, njit
 from slam.region import b_index, u_index
 from slam.turning import turn
@@ -45,13 +54,28 @@ def compare(
     descriptions: Record, m: Record, particle: Record, p: Record, work: Record, turned: Record, out: Record
 ) -> bool:
     """Write the best equivalent and alignment of a measurement with a region; say whether it is in the gate."""
+    return compare_in(frame_of(m, particle.pose), descriptions, m, particle, p, work, turned, out)
+
+
+@njit
+def compare_in(
+    frame: Any,
+    descriptions: Record,
+    m: Record,
+    particle: Record,
+    p: Record,
+    work: Record,
+    turned: Record,
+    out: Record,
+) -> bool:
+    """Do what `compare` says; `frame` is `frame_of` the region and the particle's pose."""
     z0 = descriptions[0]
-    quarters = int(np.round((m.state[0] - z0.state[0] - particle.pose[2]) / (np.pi / 2))) % 4
+    quarters = int(np.floor((m.state[0] - z0.state[0] - particle.pose[2]) / (np.pi / 2) + 0.5)) & 3
     out.same_type = z0.type == m.type
     if z0.n == 1 and m.n == 1:  # most pairs, and most of them fail at their first edges
         slack = p.tolerance**2 + particle.cov[0, 0] + particle.cov[1, 1]
-        z = descriptions[quarters]
-        rows, violation = correspond(z, m, 0, particle.pose, slack, work, p.gate_new)
+        z, (c, s, pu, pv) = descriptions[quarters], frame
+        rows, violation = match_edges(z, m, 0, c, s, pu, pv, particle.pose[2], slack, work, p.gate_new)
         if rows < 0 or violation > p.gate_new:
             return False
         out.turn, out.turn_map, out.offset = quarters, 0, 0

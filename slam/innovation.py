@@ -67,6 +67,8 @@ def workspace(tolerance: float = 0.1) -> Any:
 @njit
 def wrap(angle: float) -> Any:
     """Return the angle in [-pi, pi)."""
+    if -np.pi <= angle < np.pi:
+        return angle
     return (angle + np.pi) % (2 * np.pi) - np.pi
 
 
@@ -93,12 +95,35 @@ def correspond(z: Record, m: Record, offset: int, pose: Array, slack: float, wor
     `slack` is a variance (m²) granted to every edge on top of its own. `early_exit`: give up (-1 rows) once a single
     row alone exceeds this squared Mahalanobis distance.
     """
-    phi = m.state[0]
-    c, s = np.cos(phi), np.sin(phi)
+    c, s, pu, pv = frame_of(m, pose)
+    return match_edges(z, m, offset, c, s, pu, pv, pose[2], slack, work, early_exit)
+
+
+@njit
+def frame_of(m: Record, pose: Array) -> Any:
+    """Return cos and sin of a mapped row's heading, and its anchor as seen from a pose along its axes."""
+    c, s = np.cos(m.state[0]), np.sin(m.state[0])
     dx, dy = m.anchor[0] - pose[0], m.anchor[1] - pose[1]
-    pu, pv = c * dx + s * dy, -s * dx + c * dy
+    return c, s, c * dx + s * dy, -s * dx + c * dy
+
+
+@njit
+def match_edges(
+    z: Record,
+    m: Record,
+    offset: int,
+    c: float,
+    s: float,
+    pu: float,
+    pv: float,
+    theta: float,
+    slack: float,
+    work: Record,
+    early_exit: float,
+) -> Any:
+    """Do what `correspond` says, for a frame of `frame_of` and a heading of the robot."""
     work.iz[0] = work.im[0] = 0
-    work.residual[0] = wrap(z.state[0] + pose[2] - phi)
+    work.residual[0] = wrap(z.state[0] + theta - m.state[0])
     work.lever[0] = 0.0
     work.normal[0, 0], work.normal[0, 1], work.normal[0, 2] = 0.0, 0.0, -1.0
     rows, violation, drift = 1, 0.0, DRIFT * work.tolerance

@@ -6,10 +6,11 @@ from typing import Any
 
 import numpy as np
 
+from slam.association import bounding_circles
 from slam.contact import contact, nearest_edge
 from slam.extent import area
 from slam.jit import Array, Record, njit
-from slam.maps import ADJACENT, INSIDE, add_link, drop_stale_links, own
+from slam.maps import ADJACENT, INSIDE, add_link, drop_stale_links, own, region_of
 from slam.overlap import rows_overlap
 from slam.region import b_index, u_index
 from slam.semantic_update import LIMIT
@@ -61,7 +62,7 @@ def shared_areas(measured: Array) -> Any:
     """Return what every two measurements have in common, shape (M, M), and the area of each, (M,); m²."""
     n = len(measured)
     u, b, t = np.zeros((n, 4)), np.zeros((n, 3)), np.zeros((n, 3))
-    shared, size = np.zeros((n, n)), np.zeros(n)
+    shared, size, circles = np.zeros((n, n)), np.zeros(n), bounding_circles(measured)
     for i in range(n):
         z = measured[i, 0]
         for k in range(z.n + 1):
@@ -71,6 +72,9 @@ def shared_areas(measured: Array) -> Any:
         size[i] = area(z)
         for j in range(i):
             other = measured[j, 0]
+            dx, dy, reach = circles[i, 0] - circles[j, 0], circles[i, 1] - circles[j, 1], circles[i, 2] + circles[j, 2]
+            if dx * dx + dy * dy > reach * reach:
+                continue
             phi, phi_j = z.state[0], other.state[0]
             shared[i, j] = shared[j, i] = rows_overlap(
                 0.0, 0.0, phi, u[i], b[i], t[i], z.n, 0.0, 0.0, phi_j, u[j], b[j], t[j], other.n
@@ -118,25 +122,30 @@ def update_topology(
     """
     n = associations.shape[1]
     measured_as = maps.marks
-    known, places = np.zeros((n, 2), np.bool_), np.zeros((n, 2))
+    known, places, news = np.zeros((n, 2), np.bool_), np.zeros((n, 2)), np.zeros(n, np.bool_)
+    for z in range(n):
+        for other in range(n):
+            news[z] |= begins_link(relations[z, other], ADJACENT) or begins_link(relations[z, other], INSIDE)
     for i in range(len(associations)):
+        pose = particles[i].pose
+        c, s = np.cos(pose[2]), np.sin(pose[2])
         for z in range(n):
             if associations[i, z].slot >= 0:
                 measured_as[associations[i, z].slot] = z
         for z in range(n):
             slot = associations[i, z].slot
-            if slot >= 0:
+            if slot >= 0 and (news[z] or region_of(maps, i, slot).first_link >= 0):
                 m = own(maps, i, slot)
                 known[:] = False
-                locate(relations[z], particles[i].pose, places)
+                locate(relations[z], pose[0], pose[1], c, s, places)
                 drop_stale_links(maps, i, m)
                 revise(maps, i, m, relations[z], places, measured_as, known, p, priors)
-                for other in range(n):
+                for other in range(n if news[z] else 0):
                     target = associations[i, other].slot
                     if target >= 0 and target != slot:
                         for kind in range(2):
                             value = relations[z, other, kind]
-                            if not known[other, kind] and (value > 0.0 or (kind == ADJACENT and value != 0.0)):
+                            if not known[other, kind] and begins_link(relations[z, other], kind):
                                 second_type = maps.pool[maps.table[i, target]].type
                                 remember(maps, m, target, second_type, kind, value, places[other], priors)
         for z in range(n):
@@ -145,13 +154,18 @@ def update_topology(
 
 
 @njit
-def locate(relations: Array, pose: Array, places: Array) -> None:
-    """Write the contacts of one measurement's links in the map frame, (M, 2)."""
-    c, s = np.cos(pose[2]), np.sin(pose[2])
+def begins_link(relation: Array, kind: int) -> bool:
+    """Say whether what was measured of two regions is enough to remember a link: a containment must be likely."""
+    return relation[kind] > 0.0 or (kind == ADJACENT and relation[kind] != 0.0)
+
+
+@njit
+def locate(relations: Array, x0: float, y0: float, c: float, s: float, places: Array) -> None:
+    """Write the contacts of one measurement's links in the map frame, (M, 2), from (x0, y0) and heading (c, s)."""
     for i in range(len(relations)):
         if relations[i, ADJACENT] != 0.0:
             x, y = relations[i, 2], relations[i, 3]
-            places[i, 0], places[i, 1] = pose[0] + c * x - s * y, pose[1] + s * x + c * y
+            places[i, 0], places[i, 1] = x0 + c * x - s * y, y0 + s * x + c * y
 
 
 @njit

@@ -334,3 +334,23 @@ def test_storeys_are_mapped_one_above_the_other() -> None:
     assert [(m.type, m.level) for m in belief.map.regions] == [("office", 0), ("kitchen", 0), ("office", 1)]
     assert belief.map.regions_of_type("kitchen")[0].existence > 4
     assert not belief.lost
+
+
+def test_a_filter_goes_on_with_the_map_of_another(drive: tuple[Course, list[np.ndarray]]) -> None:
+    mapper = RegionSLAM(SlamConfig(n_particles=3), seed=0)
+    for odometry, seen in drive[0][:12]:
+        mapper.step(odometry, Scan(seen))
+    slam = RegionSLAM(SlamConfig(n_particles=2, prior_type={"kitchen": 0.4}), seed=1)
+    belief = slam.take_map(mapper)
+    check_storage(belief.maps)
+    theirs = mapper.belief
+    assert belief.map.to_geojson() == theirs.map.to_geojson()
+    np.testing.assert_array_equal(belief.pose, theirs.pose)
+    before = theirs.features.tobytes()
+    for odometry, seen in drive[0][12:]:
+        belief = slam.step(odometry, Scan(seen))
+    assert [m.id for m in belief.map.regions] == [m.id for m in theirs.map.regions]
+    assert theirs.features.tobytes() == before  # nothing is shared with the other filter
+    joint = RegionSLAM(SlamConfig(posterior="joint"), seed=0)
+    with pytest.raises(ValueError, match="posterior is 'joint'"):
+        joint.take_map(mapper)
