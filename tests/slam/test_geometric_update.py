@@ -14,7 +14,6 @@ from tests.slam import naive
 from tests.slam.drawn import (
     CLOSED,
     OPEN,
-    PRIORS,
     P,
     links_to,
     mapped,
@@ -337,7 +336,7 @@ def test_new_regions_get_slots_and_ids_and_known_ones_are_counted() -> None:
     drawn = stored(regions)
     nearby, n_near = near(drawn)
     links = links_to((0, 0, 0, 0), (NEW, 0, 0, 0))
-    update_geometry(particles(), drawn, nearby, n_near, scan, links, 7, P, PRIORS)
+    update_geometry(particles(), drawn, nearby, n_near, scan, links, 7, P)
     assert links["slot"].tolist() == [[0, 1]]
     assert (regions[0, 0].sightings, regions[0, 0].last_seen, regions[0, 0].id) == (2, 7, 100)
     assert (regions[0, 1].id, regions[0, 1].last_seen) == (7 * 4096 + 1, 7)
@@ -352,7 +351,7 @@ def test_a_reused_slot_forgets_the_region_before() -> None:
         regions[field] = value
     scan = measured(RegionMeasurement("office", 0, 0, 4, 4, t=CLOSED, r=OPEN))
     drawn = stored(regions)
-    update_geometry(particles(), drawn, *near(drawn), scan, links_to((NEW, 0, 0, 0)), 3, P, PRIORS)
+    update_geometry(particles(), drawn, *near(drawn), scan, links_to((NEW, 0, 0, 0)), 3, P)
     m = regions[0, 0]
     assert (m.n, m.first_link, m.rival, m.visited, m.sightings, m.existence) == (1, -1, -1, 0, 1, 0.0)
     assert not m.cov[5:].any()
