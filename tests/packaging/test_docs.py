@@ -1,0 +1,60 @@
+"""The page that leads from the paper to the code names what is there."""
+
+from __future__ import annotations
+
+import ast
+import re
+from pathlib import Path
+
+import pytest
+
+PAGE = Path(__file__).parents[2] / "docs" / "region-slam.md"
+TEXT = PAGE.read_text(encoding="utf-8")
+ROOT = PAGE.parents[1]
+
+DRAWN = {"fig5.png", "fig6.png"}
+"""Figures that `regionslam reproduce` draws."""
+
+LINKS = re.findall(r"\[([^\]]*)\]\(([^):]+)\)", TEXT)
+NAMED = sorted({(text.strip("`"), target) for text, target in LINKS if text.startswith("`")})
+
+
+def defined(path: Path) -> set[str]:
+    """Return the functions and classes of a file, and methods as `Class.method`."""
+    found = set()
+    for node in ast.parse(path.read_text(encoding="utf-8")).body:
+        if isinstance(node, ast.FunctionDef | ast.ClassDef):
+            found.add(node.name)
+        if isinstance(node, ast.ClassDef):
+            found |= {f"{node.name}.{inner.name}" for inner in node.body if isinstance(inner, ast.FunctionDef)}
+    return found
+
+
+@pytest.mark.parametrize("number", range(1, 24))
+def test_every_equation_of_the_paper_is_mentioned(number):
+    assert f"({number})" in TEXT
+
+
+@pytest.mark.parametrize(("name", "target"), NAMED)
+def test_what_is_named_is_in_the_linked_file(name, target):
+    path = (PAGE.parent / target).resolve()
+    package, *parts = path.relative_to(ROOT).with_suffix("").parts
+    module = ".".join(parts)
+    assert package in ("slam", "agents")
+    assert name == module or name in {f"{module}.{thing}" for thing in defined(path)}
+
+
+def test_every_linked_file_exists():
+    targets = {target for _, target in LINKS} - DRAWN
+    assert {target for target in targets if not (PAGE.parent / target).is_file()} == set()
+
+
+def test_every_module_after_an_equation_of_the_paper_is_linked():
+    cited = {
+        path
+        for path in (ROOT / "slam").rglob("*.py")
+        if re.search(r"\beqs?\. ?\(?\d", ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))) or "")
+    }
+    linked = {(PAGE.parent / target).resolve() for _, target in NAMED}
+    assert cited
+    assert cited - linked == set()
