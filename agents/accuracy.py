@@ -12,6 +12,7 @@ from agents.recording import Recording, institute, record
 from slam import RegionMap, RegionSLAM, SlamConfig
 from slam.evaluation.consistency import pose_nees
 from slam.evaluation.map_quality import MapQuality, map_quality
+from slam.evaluation.region_consistency import region_nees
 from slam.evaluation.trajectory import ape
 from slam.rows import Floats
 
@@ -95,7 +96,8 @@ def tour(
     dict
         `ape_max`, `ape_rmse`, `ape_end` (m, raw: the map frame is the start pose), `pose_nees` (mean over the course,
         divided by 3), and of the map `regions_seen` (true regions measured often enough to be confirmed),
-        `regions_mapped`, `duplicates`, `spurious`, `missed`, `type_accuracy`, `region_iou`, `link_f1`.
+        `regions_mapped`, `duplicates`, `spurious`, `missed`, `type_accuracy`, `region_iou`,
+        `region_nees` (of headings and closed edges, per degree of freedom), `link_f1` and `containment_f1`.
     """
     return {"seed": seed, **figures(drive(seed, n_particles, noise, occlusion, misclassification))}
 
@@ -115,6 +117,7 @@ def figures(run: Tour) -> dict[str, Any]:
         "missed": len(quality.missed),
         "type_accuracy": quality.type_accuracy,
         "region_iou": quality.iou,
+        "region_nees": mean_region_nees(run, quality),
         "link_f1": quality.link_f1,
         "containment_f1": quality.containment_f1,
     }
@@ -125,6 +128,16 @@ def quality_of(run: Tour) -> MapQuality:
     world, poses = institute()
     links = [(link.source, link.target) for link in world.links]
     return map_quality(run.map.regions, world.regions, links, run.seen, pose=poses[0])
+
+
+def mean_region_nees(run: Tour, quality: MapQuality) -> float | None:
+    """Return the NEES of all matched regions, headings and closed edges, per degree of freedom: ideally 1."""
+    world, poses = institute()
+    records = {int(record.id): record for record in run.features}
+    truth = {region.id: region.row for region in world.regions}
+    found = [region_nees(records[match.mapped], truth[match.true], poses[0]) for match in quality.matches]
+    freedom = sum(n for _, n in found)
+    return sum(value for value, _ in found) / freedom if freedom else None
 
 
 def mean_pose_nees(estimated: Floats, covariances: Floats, true: Floats) -> float:

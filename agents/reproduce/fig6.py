@@ -13,6 +13,8 @@ from typing import Any
 import numpy as np
 
 from agents.accuracy import Tour, drive, figures
+from agents.optimum import online
+from agents.recording import record
 from slam.evaluation.trajectory import heading_errors, position_errors
 from slam.rows import Floats
 
@@ -25,11 +27,15 @@ AT_THE_END = 0.1
 
 @dataclass(frozen=True)
 class Course:
-    """One run: its seed, what the filter made of it, and its figures (`agents.accuracy.figures`)."""
+    """One run: its seed, what the filter made of it, and its figures (`agents.accuracy.figures`).
+
+    `optimum` is the largest error of the online optimum of the same data, m; known for runs that reach `BELOW` alone.
+    """
 
     seed: int
     tour: Tour
     figures: dict[str, Any]
+    optimum: float | None = None
 
     @property
     def position_errors(self) -> Floats:
@@ -51,7 +57,11 @@ def run_course(
 ) -> Course:
     """Run the filter along the course with unknown correspondence."""
     tour = drive(seed, n_particles, noise, occlusion, misclassification)
-    return Course(seed, tour, figures(tour))
+    found, optimum = figures(tour), None
+    if found["ape_max"] >= BELOW:
+        _, poses, _ = online(record(seed, noise, occlusion, misclassification))
+        optimum = float(np.max(position_errors(poses, tour.true)))
+    return Course(seed, tour, found, optimum)
 
 
 def fig6(courses: Sequence[Course], n_particles: int) -> dict[str, Any]:
@@ -62,8 +72,8 @@ def fig6(courses: Sequence[Course], n_particles: int) -> dict[str, Any]:
     dict
         `seeds` and `n_particles`; of the largest error of a run `ape_max_median` and `ape_max_worst`, of the last one
         `ape_end_median`, m; `below_1m`, the share of runs that stay below 1 m; per run in the mean `regions_seen`,
-        `regions_mapped`, `type_accuracy`, `region_iou`, `pose_nees`; over all runs in all `duplicates`, `missed` and
-        `spurious`; and `misses`, seed and largest error of the runs that reach 1 m.
+        `regions_mapped`, `type_accuracy`, `region_iou`, `pose_nees`, `region_nees`; over all runs in all `duplicates`,
+        `missed` and `spurious`; and `misses`, seed, largest error and that of the optimum, of runs that reach 1 m.
     """
     largest = np.array([course.figures["ape_max"] for course in courses])
 
@@ -83,9 +93,9 @@ def fig6(courses: Sequence[Course], n_particles: int) -> dict[str, Any]:
         "below_1m": float(np.mean(largest < BELOW)),
         **{name: mean(name) for name in ("regions_seen", "regions_mapped")},
         **{name: int(sum(every(name))) for name in ("duplicates", "missed", "spurious")},
-        **{name: mean(name) for name in ("type_accuracy", "region_iou", "pose_nees")},
+        **{name: mean(name) for name in ("type_accuracy", "region_iou", "pose_nees", "region_nees")},
         "misses": [
-            {"seed": course.seed, "ape_max": course.figures["ape_max"]}
+            {"seed": course.seed, "ape_max": course.figures["ape_max"], "optimum_ape_max": course.optimum}
             for course in courses
             if course.figures["ape_max"] >= BELOW
         ],
