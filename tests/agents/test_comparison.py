@@ -59,7 +59,7 @@ def test_ratios_to_what_was_not_run_are_left_open():
 @pytest.mark.compiled
 def test_all_filters_run_on_the_same_data():
     rows = compare(0, particles=(2,), steps=25)
-    assert set(rows) == {"fastslam2_2", "optimum"} | ({"batch"} if AVAILABLE else set())
+    assert set(rows) == {"fastslam2_2", "joint", "optimum"} | ({"batch"} if AVAILABLE else set())
     for values in rows.values():
         assert 0 < values["ape_rmse"] < 0.3
         assert values["ape_aligned"] <= values["ape_rmse"] + 1e-12
