@@ -17,8 +17,11 @@ from slam.evaluation.region_consistency import region_nees
 from slam.evaluation.trajectory import ape
 from slam.rows import Floats
 
-POSTERIORS: Mapping[str, Mapping[str, Any]] = {"fastslam2": {}, "joint": {"posterior": "joint"}}
-"""Filters to compare: settings beside the number of particles, or of association hypotheses."""
+POSTERIORS: Mapping[str, Mapping[str, Any]] = {"fastslam2": {}}
+"""Filters to compare with every number of particles: their other settings."""
+
+JOINT = "joint"
+"""The joint posterior; its hypotheses are as many as the data leave open, so one limit on their number will do."""
 
 OPTIMUM, BATCH = "optimum", "batch"
 
@@ -51,6 +54,7 @@ def compare(
         for name, settings in POSTERIORS.items()
         for n in particles
     }
+    rows[JOINT] = _filter(recording, SlamConfig(min(particles), posterior="joint", **told(recording)))
     ekf, poses, covariances = online(recording)
     rows[OPTIMUM] = {
         **_errors(poses, recording.true),

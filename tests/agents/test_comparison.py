@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from agents import comparison
+from agents import accuracy, comparison
 from agents.batch import AVAILABLE
 from agents.cli import app
 from agents.comparison import compare, summarize
+from agents.parallel import over_seeds
 from agents.recording import institute, record
 
 
@@ -58,7 +59,7 @@ def test_ratios_to_what_was_not_run_are_left_open():
 @pytest.mark.compiled
 def test_all_filters_run_on_the_same_data():
     rows = compare(0, particles=(2,), steps=25)
-    assert set(rows) == {"fastslam2_2", "optimum"} | ({"batch"} if AVAILABLE else set())
+    assert set(rows) == {"fastslam2_2", "joint", "optimum"} | ({"batch"} if AVAILABLE else set())
     for values in rows.values():
         assert 0 < values["ape_rmse"] < 0.3
         assert values["ape_aligned"] <= values["ape_rmse"] + 1e-12
@@ -78,6 +79,14 @@ def test_recordings_depend_on_their_seed_alone():
     assert (calibrated.noise.simulated_factor, first.noise.simulated_factor) == (1.0, 1.2)
     assert len(first.true) == 2
     assert len(record(3).true) == len(institute()[1]) - 1
+
+
+@pytest.mark.slow
+def test_the_filter_is_near_the_optimum():
+    runs = list(over_seeds(compare, range(20), accuracy.warm_up))
+    result = summarize(runs, [4, 16])
+    assert result["ratio_to_optimum"] <= 1.15
+    assert result["ratio_to_optimum_4"] <= 1.3
 
 
 @pytest.mark.slow
