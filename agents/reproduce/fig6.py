@@ -131,8 +131,8 @@ def comparison(result: dict[str, Any], length: float) -> list[tuple[str, str, st
         (
             "map",
             "shown in part",
-            f"{result['regions_mapped']:.4g} regions of {result['regions_seen']:.4g} seen; in all runs together "
-            f"{result['missed']} missed, {result['duplicates']} twice",
+            f"{result['regions_mapped']:.4g} of {result['regions_seen']:.4g} regions; "
+            f"in all {result['missed']} missed, {result['duplicates']} twice",
         ),
         ("semantic types", "not stated", f"{100 * (result['type_accuracy'] or 0):.4g} % right"),
     ]
