@@ -16,7 +16,7 @@ app = typer.Typer(
     help="Repeat the paper's experiments and draw its figures.", no_args_is_help=True, rich_markup_mode=None
 )
 
-Out = Annotated[Path | None, typer.Option(help="Folder for the figure (extra `plots`) and the figures as JSON.")]
+Out = Annotated[Path | None, typer.Option(help="Folder to draw the figure in (extra `plots`).")]
 
 
 @app.command("fig5")

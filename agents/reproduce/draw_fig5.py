@@ -64,8 +64,8 @@ def _draw_errors(axes: Any, runs: Sequence[dict[str, Track]]) -> None:
     axes.axvline(complete, color=MUTED, lw=1.0, ls=":")
     note = f"all edges closed, t = {complete:.0f}\n(in the paper's own run: about 150)"
     axes.annotate(note, (complete, 30.0), (8, 0), textcoords="offset points", fontsize=9, color="#333333")
-    note = "while an edge is open, the edge form knows a bound only: its variance is practically unlimited"
-    axes.annotate(note, (1.1, 3e4), fontsize=9, color=LOOKS["edges"][1], va="bottom")
+    note = "while an edge is open, the edge form knows a bound only:\nits variance is practically unlimited"
+    axes.annotate(note, (1.1, 1.5e4), fontsize=9, color=LOOKS["edges"][1], va="top")
     seeds = f"mean of {len(runs)} seeds" if len(runs) > 1 else "one seed"
     axes.set(xscale="log", yscale="log", xlim=(1, len(steps)), ylim=LIMITS)
     axes.set(xlabel="number of measurements, t", ylabel="sum over all parameters of the region (m², rad²)")

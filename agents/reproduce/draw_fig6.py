@@ -20,6 +20,15 @@ from slam.se2 import compose
 DETAIL = (5.7, -0.4, 24.3, 12.6)
 """Part of the floor whose map is shown: x0, y0, x1, y1, m."""
 
+LETTER = 0.25
+"""Width of a letter on the map, m: what is too narrow in the detail for its name stays without."""
+
+STRIP = 6.0
+"""Height of the strip below the floor for legend and enlargement, m."""
+
+AVERAGED = 20
+"""Scans over which the heading error is averaged for the eye."""
+
 FURNITURE = ("desk", "cupboard", "table")
 
 
@@ -28,7 +37,7 @@ def draw_fig6(courses: Sequence[Course], result: dict[str, Any], path: Path) -> 
     shown = median_course(courses)
     figure = new_figure(15, 8.6)
     grid = figure.add_gridspec(
-        2, 2, width_ratios=(1.5, 1), height_ratios=(1.12, 1), left=0.035, right=0.985, bottom=0.07, top=0.9, wspace=0.1
+        2, 2, width_ratios=(1.5, 1), height_ratios=(1.3, 1), left=0.035, right=0.985, bottom=0.07, top=0.9, wspace=0.13
     )
     figure.suptitle(
         f"Region-based FastSLAM 2.0 with {result['n_particles']} particles, unknown correspondence (Fig. 6 of "
@@ -53,26 +62,28 @@ def _draw_path(axes: Any, course: Course) -> None:
     true, estimated = poses[1:], compose(poses[0], course.tour.estimated)
     _draw_floor(axes)
     worst = int(np.argmax(course.position_errors))
-    detail = axes.inset_axes((0.895, 0.01, 0.1, 0.24))
+    detail = axes.inset_axes((0.85, 0.015, 0.14, 0.18))
     for target, width in ((axes, 1.2), (detail, 1.8)):
         target.plot(*true[:, :2].T, color=TRUTH, linewidth=width, label="true path")
         target.plot(*estimated[:, :2].T, color=BELIEF, linewidth=width, linestyle=(0, (4, 1.5)), label="estimated path")
     axes.plot(*true[0, :2], "o", color=INK, markersize=5)
-    axes.annotate("start", true[0, :2], (-6, 5), textcoords="offset points", fontsize=9, color=INK, ha="right")
+    axes.annotate("start", true[0, :2], (5, 5), textcoords="offset points", fontsize=9, color=INK)
     middle = (true[worst, :2] + estimated[worst, :2]) / 2
     detail.plot(*np.array([true[worst, :2], estimated[worst, :2]]).T, color=INK, linewidth=1)
-    half = max(0.6, course.position_errors[worst])
-    detail.set_xlim(middle[0] - half, middle[0] + half)
+    error = course.position_errors[worst]
+    half = max(0.4, 0.8 * error)
+    detail.set_xlim(middle[0] - 1.4 * half, middle[0] + 1.4 * half)
     detail.set_ylim(middle[1] - half, middle[1] + half)
     plain_axes(detail)
-    detail.set_title(f"farthest apart:\n{course.position_errors[worst]:.2f} m", fontsize=8, color=INK, pad=3)
+    note = {"transform": axes.transAxes, "fontsize": 9, "ha": "right", "va": "center", "color": INK}
+    axes.text(0.84, 0.1, f"farthest apart: {error:.2f} m", **note)
     axes.indicate_inset_zoom(detail, edgecolor=INK)
     x0, y0, x1, y1 = world.bounds
     axes.set_xlim(x0 - 0.5, x1 + 0.5)
-    axes.set_ylim(y0 - 0.5, y1 + 0.5)
+    axes.set_ylim(y0 - STRIP, y1 + 0.5)
     plain_axes(axes)
     axes.set_title(
-        f"True and estimated path, median run (seed {course.seed}), floor of {x1 - x0:.0f} × {y1 - y0:.0f} m",
+        f"Path of the median run (seed {course.seed}) on a floor of {x1 - x0:.0f} × {y1 - y0:.0f} m",
         fontsize=11,
         loc="left",
         color=INK,
@@ -145,9 +156,8 @@ def _draw_relations(axes: Any, course: Course, rows: dict[int, Row], shown: set[
             continue
         a, b = _inner_point(rows[edge.source]), _inner_point(rows[edge.target])
         if edge.kind == "adjacent":
-            if (
-                rows[edge.source].area < rows[edge.target].area
-            ):  # a door's arrow ends beside it, not far along a hallway
+            # The arrow of a door ends beside it, not far along a hallway.
+            if rows[edge.source].area < rows[edge.target].area:
                 b = _nearest_inside(rows[edge.target], a)
             else:
                 a = _nearest_inside(rows[edge.source], b)
@@ -155,13 +165,15 @@ def _draw_relations(axes: Any, course: Course, rows: dict[int, Row], shown: set[
         else:
             a, b = b, a
             style = {"arrowstyle": "-|>", "color": INK, "lw": 1.1, "linestyle": (0, (3, 2))}
-        axes.annotate("", b, a, arrowprops={**style, "mutation_scale": 8, "shrinkA": 0, "shrinkB": 0}, clip_on=True)
+        arrow = axes.annotate("", b, a, arrowprops={**style, "mutation_scale": 8, "shrinkA": 0, "shrinkB": 0})
+        arrow.arrow_patch.set_clip_path(axes.patch)
 
 
 def _name(axes: Any, feature: RegionFeature, row: Row) -> None:
     x0, y0, x1, y1 = DETAIL
     x, y = _inner_point(row)
-    if x0 < x < x1 and y0 < y < y1:
+    width, height = np.ptp(row.rectangles()[row.main].clip((x0, y0), (x1, y1)), axis=0)
+    if width > LETTER * len(feature.type) and height > 4 * LETTER:
         axes.text(x, y - 0.25, feature.type, fontsize=8, ha="center", va="top", color=INK, clip_on=True)
 
 
@@ -171,7 +183,8 @@ def _draw_errors(position: Any, heading: Any, courses: Sequence[Course], shown: 
         bold = course is shown
         style = {"color": BELIEF if bold else FAINT, "linewidth": 1.6 if bold else 0.5, "zorder": 3 if bold else 1}
         position.plot(course.position_errors, **style)
-        heading.plot(np.degrees(course.heading_errors), **style)
+        averaged = np.sqrt(np.convolve(course.heading_errors**2, np.full(AVERAGED, 1 / AVERAGED), "valid"))
+        heading.plot(np.arange(len(averaged)) + AVERAGED / 2, np.degrees(averaged), **style)
     steps = len(shown.position_errors)
     position.axhline(BELOW, color=INK, linestyle="dashed", linewidth=1)
     position.text(steps * 0.01, BELOW, "paper: below 1 m at all times", fontsize=8, va="bottom", color=INK)
@@ -187,7 +200,7 @@ def _draw_errors(position: Any, heading: Any, courses: Sequence[Course], shown: 
     )
     position.set_ylim(0, max(1.15, 1.05 * max(course.position_errors.max() for course in courses)))
     position.set_ylabel("position error (m)", fontsize=9)
-    heading.set_ylabel("heading error (°)", fontsize=9)
+    heading.set_ylabel(f"heading error (°)\n(RMS of {AVERAGED} scans)", fontsize=9)
     heading.set_ylim(bottom=0)
     heading.set_xlabel("time (scans)", fontsize=9)
     heading.set_xlim(0, steps)
@@ -203,8 +216,9 @@ def _draw_table(axes: Any, rows: list[tuple[str, str, str]]) -> None:
     table = axes.table(
         cellText=rows,
         colLabels=("", "the paper says", "we measure"),
-        colWidths=(0.25, 0.2, 0.55),
+        colWidths=(0.28, 0.24, 0.48),
         cellLoc="left",
+        colLoc="left",
         loc="upper left",
         edges="horizontal",
     )
