@@ -105,6 +105,8 @@ def tour(
 def figures(run: Tour) -> dict[str, Any]:
     """Return the figures of a tour that was driven, as in `tour`."""
     error, quality = ape(run.estimated, run.true).position, quality_of(run)
+    regions = normalised_regions(run, quality)
+    freedom = sum(n for _, n in regions)
     return {
         "ape_max": error.max,
         "ape_rmse": error.rmse,
@@ -117,7 +119,7 @@ def figures(run: Tour) -> dict[str, Any]:
         "missed": len(quality.missed),
         "type_accuracy": quality.type_accuracy,
         "region_iou": quality.iou,
-        "region_nees": mean_region_nees(run, quality),
+        "region_nees": sum(value for value, _ in regions) / freedom if freedom else None,
         "link_f1": quality.link_f1,
         "containment_f1": quality.containment_f1,
     }
@@ -130,14 +132,12 @@ def quality_of(run: Tour) -> MapQuality:
     return map_quality(run.map.regions, world.regions, links, run.seen, pose=poses[0])
 
 
-def mean_region_nees(run: Tour, quality: MapQuality) -> float | None:
-    """Return the NEES of all matched regions, headings and closed edges, per degree of freedom: ideally 1."""
+def normalised_regions(run: Tour, quality: MapQuality) -> list[tuple[float, int]]:
+    """Return for each matched region the NEES of its heading and closed edges, and how many they are."""
     world, poses = institute()
     records = {int(record.id): record for record in run.features}
     truth = {region.id: region.row for region in world.regions}
-    found = [region_nees(records[match.mapped], truth[match.true], poses[0]) for match in quality.matches]
-    freedom = sum(n for _, n in found)
-    return sum(value for value, _ in found) / freedom if freedom else None
+    return [region_nees(records[match.mapped], truth[match.true], poses[0]) for match in quality.matches]
 
 
 def mean_pose_nees(estimated: Floats, covariances: Floats, true: Floats) -> float:

@@ -75,7 +75,7 @@ def tour(
     occlusion: Occlusion = False,
     json: Json = False,
 ) -> int:
-    """Judge the filter on a course of 320 m, seed by seed."""
+    """Judge the filter on a course of 328 m, seed by seed."""
     from agents import accuracy
     from agents.parallel import over_seeds
 

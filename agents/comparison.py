@@ -7,18 +7,17 @@ from typing import Any
 
 import numpy as np
 
-from agents.accuracy import follow, mean_pose_nees, quality_of, told
+from agents.accuracy import follow, mean_pose_nees, normalised_regions, quality_of, told
 from agents.batch import AVAILABLE, Batch
 from agents.optimum import ekf_region_nees, lines, online
 from agents.recording import Recording, record
 from slam import SlamConfig
 from slam.evaluation.consistency import nees_band
-from slam.evaluation.region_consistency import region_nees
 from slam.evaluation.trajectory import ape
 from slam.rows import Floats
 
-POSTERIORS: Mapping[str, Mapping[str, Any]] = {"fastslam2": {}}
-"""Filters to compare with every number of particles: their other settings."""
+FASTSLAM = "fastslam2"
+"""FastSLAM 2.0; its rows end with their number of particles."""
 
 JOINT = "joint"
 """The joint posterior; its hypotheses are as many as the data leave open, so one limit on their number will do."""
@@ -49,11 +48,7 @@ def compare(
         `region_freedom` (number of mapped regions, and sums over them).
     """
     recording = record(seed, noise, occlusion, calibrated=calibrated, steps=steps)
-    rows = {
-        f"{name}_{n}": _filter(recording, SlamConfig(n, **settings, **told(recording)))
-        for name, settings in POSTERIORS.items()
-        for n in particles
-    }
+    rows = {f"{FASTSLAM}_{n}": _filter(recording, SlamConfig(n, **told(recording))) for n in particles}
     rows[JOINT] = _filter(recording, SlamConfig(min(particles), posterior="joint", **told(recording)))
     ekf, poses, covariances = online(recording)
     rows[OPTIMUM] = {
@@ -69,15 +64,10 @@ def compare(
 
 def _filter(recording: Recording, config: SlamConfig) -> Row:
     run = follow(recording, config)
-    records = {int(record.id): record for record in run.features}
-    truth = {region.id: region.row for region in recording.world.regions}
-    regions = [
-        region_nees(records[match.mapped], truth[match.true], recording.start) for match in quality_of(run).matches
-    ]
     return {
         **_errors(run.estimated, run.true),
         "pose_nees": mean_pose_nees(run.estimated, run.covariances, run.true),
-        **_pooled(regions),
+        **_pooled(normalised_regions(run, quality_of(run))),
     }
 
 
@@ -111,13 +101,12 @@ def summarize(runs: Sequence[Mapping[str, Row]], particles: Sequence[int]) -> di
         do the regions of one map: the bands take one pose and one region of each seed as independent.
     """
     names = list(runs[0])
-    first = next(iter(POSTERIORS))
     filters = {name: _figures([run[name] for run in runs]) for name in names}
     result: dict[str, Any] = {"seeds": len(runs), "particles": list(particles)}
     pairs = {
-        "ratio_to_optimum": (f"{first}_{max(particles)}", OPTIMUM),
-        "ratio_to_optimum_4": (f"{first}_4", OPTIMUM),
-        "ratio_to_batch": (f"{first}_{max(particles)}", BATCH),
+        "ratio_to_optimum": (f"{FASTSLAM}_{max(particles)}", OPTIMUM),
+        "ratio_to_optimum_4": (f"{FASTSLAM}_4", OPTIMUM),
+        "ratio_to_batch": (f"{FASTSLAM}_{max(particles)}", BATCH),
     }
     for key, (name, reference) in pairs.items():
         for suffix, figure in (("", "ape_rmse"), ("_aligned", "ape_aligned"), ("_p90", "ape_rmse_p90")):

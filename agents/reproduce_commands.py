@@ -53,7 +53,7 @@ def figure_6(
     misclassification: Annotated[float, typer.Option(min=0, max=1, help="Share of wrong types.")] = 0.0,
     json: Json = False,
 ) -> int:
-    """Repeat Fig. 6: the filter on a course of 320 m with unknown correspondence."""
+    """Repeat Fig. 6: the filter on a course of 328 m with unknown correspondence."""
     from agents import accuracy
     from agents.parallel import over_seeds
     from agents.reproduce import fig6

@@ -96,7 +96,7 @@ def on(
 
 @cache
 def tour() -> tuple[World, Floats]:
-    """Return the institute and its tour of 320 m."""
+    """Return the institute and its tour of 328 m."""
     world = load("institute")
     return world, course(world, INSTITUTE_TOUR)
 

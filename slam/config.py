@@ -23,11 +23,16 @@ from slam.priors import (
 from slam.resampling import SCHEMES
 
 GEOMETRIC_UPDATES = ("edges", "paper")
-CORRESPONDENCES = ("edges", "paper")
-PRIOR_TYPE, PRIOR_LINK, PRIOR_CHILD = 0.5, 0.2, 0.1
-SEMANTICS = ("completed", "paper")
+CHOICES = {
+    "posterior": ("fastslam2", "joint"),
+    "correspondence": ("edges", "paper"),
+    "resampling": SCHEMES,
+    "semantics": ("completed", "paper"),
+    "geometric_update": GEOMETRIC_UPDATES,
+}
+"""Settings that are one of several words."""
 
-POSTERIORS = ("fastslam2", "joint")
+PRIOR_TYPE, PRIOR_LINK, PRIOR_CHILD = 0.5, 0.2, 0.1
 
 
 @dataclass(frozen=True)
@@ -112,8 +117,9 @@ class SlamConfig:
     relocalise: bool = True
 
     def __post_init__(self) -> None:
-        if self.posterior not in POSTERIORS:
-            raise ValueError(f"posterior is {self.posterior!r}, expected one of {', '.join(map(repr, POSTERIORS))}")
+        for name, known in CHOICES.items():
+            if getattr(self, name) not in known:
+                raise ValueError(f"{name} is {getattr(self, name)!r}, expected one of {', '.join(map(repr, known))}")
         for name in ("n_particles", "confirmed_after"):
             value = getattr(self, name)
             if not (isinstance(value, int | np.integer) and not isinstance(value, bool) and value >= 1):
@@ -127,19 +133,12 @@ class SlamConfig:
             object.__setattr__(self, name, checked_by_pair(name, getattr(self, name)))
         if not 0 < self.link_unseen < 1:
             raise ValueError(f"link_unseen is {self.link_unseen!r}, expected a probability between 0 and 1")
-        if self.semantics not in SEMANTICS:
-            raise ValueError(f"semantics is {self.semantics!r}, expected one of {', '.join(SEMANTICS)}")
         self._check_existence()
-        if self.resampling not in SCHEMES:
-            raise ValueError(f"resampling is {self.resampling!r}, expected one of {', '.join(SCHEMES)}")
         if not 0 < self.gate_associate <= self.gate_new:
             raise ValueError(
                 f"gate_associate is {self.gate_associate!r} and gate_new {self.gate_new!r}, "
                 "expected 0 < gate_associate <= gate_new"
             )
-        if self.geometric_update not in GEOMETRIC_UPDATES:
-            known = " or ".join(map(repr, GEOMETRIC_UPDATES))
-            raise ValueError(f"geometric_update is {self.geometric_update!r}, expected {known}")
         if self.posterior == "joint" and self.geometric_update == "paper":
             raise ValueError("geometric_update is 'paper', expected 'edges' with posterior 'joint'")
         if not (np.isfinite(self.sensor_range) and self.sensor_range > 0):
@@ -149,8 +148,6 @@ class SlamConfig:
                 f"tolerance is {self.tolerance!r}, expected a length above 0 m (or None, with a "
                 f"measurement_noise.sigma_xy above 0; it is {self.measurement_noise.sigma_xy!r})"
             )
-        if self.correspondence not in CORRESPONDENCES:
-            raise ValueError(f"correspondence is {self.correspondence!r}, expected one of {CORRESPONDENCES}")
 
     @property
     def _tolerance(self) -> float:

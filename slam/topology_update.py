@@ -18,7 +18,7 @@ from slam.semantic_update import LIMIT
 SAME_CONTACT = 5.0
 """Contacts nearer than this, in tolerances, are one, whichever edge is the nearest: neighbours may lie in a corner."""
 
-SAME_PLACE = 0.5
+ONE_PLACE = 0.5
 """Measurements that share more than this part of the larger one take the same place."""
 
 LEAST = 0.01
@@ -50,7 +50,7 @@ def measured_relations(measured: Array, links: Array, tolerance: float, relation
     shared, size = shared_areas(measured)
     for i in range(n):
         for j in range(n):
-            apart = measured[i, 0].type != measured[j, 0].type and shared[i, j] <= SAME_PLACE * max(size[i], size[j])
+            apart = measured[i, 0].type != measured[j, 0].type and shared[i, j] <= ONE_PLACE * max(size[i], size[j])
             if i != j and apart:
                 linked = relations[i, j, ADJACENT] != 0.0 or relations[j, i, ADJACENT] != 0.0
                 inside = 0.0 if linked else shared[i, j] / size[i] * min((size[j] / size[i]) ** 2, 1.0)
