@@ -15,7 +15,7 @@ import numpy as np
 from slam.comparison import CANDIDATE, box, compare, compare_in
 from slam.edge_form import state_size
 from slam.extent import area
-from slam.innovation import frame_of, n_closed, workspace
+from slam.innovation import frame_of, n_closed, workspaces
 from slam.jit import Array, Record, njit
 from slam.maps import region_of
 from slam.semantic_update import SAME_PLACE
@@ -62,7 +62,7 @@ def associate(
 
     `measured` (M, 4) holds the equivalent descriptions, `associations` (P, M) and `candidates` (P, ...) are written.
     """
-    work = workspace(p.tolerance)
+    work = workspaces(p.tolerance)
     turned, found = np.zeros_like(measured[:1, 0]), np.zeros(1, CANDIDATE)
     circles = bounding_circles(measured)
     areas, frames = np.zeros(near.shape[1]), np.zeros((near.shape[1], 4))
@@ -88,7 +88,7 @@ def associate(
                 if measured[z, 0].type != m.type and not are_alike(circles[z, 3], areas[j]):
                     continue
                 frame = (frames[j, 0], frames[j, 1], frames[j, 2], frames[j, 3])
-                if compare_in(frame, measured[z], m, particles[i], p, work, turned[0], found[0]):
+                if compare_in(frame, measured[z], m, particles[i], p, work[0], turned[0], found[0]):
                     found[0].z, found[0].slot = z, near[i, j]
                     n = keep(candidates[i], first, n, found[0])
         n_candidates[i] = n
@@ -96,7 +96,7 @@ def associate(
         for z in range(len(measured)):
             for j in range(n_near[i] if associations[i, z].slot == NEW else 0):
                 m = region_of(maps, i, near[i, j])
-                if is_misnamed(measured[z], m, particles[i], p, work, turned[0], found[0]):
+                if is_misnamed(measured[z], m, particles[i], p, work[0], turned[0], found[0]):
                     associations[i, z].slot = AMBIGUOUS
                     break
 

@@ -10,7 +10,7 @@ from slam.comparison import CANDIDATE, compare
 from slam.extent import area, contains, overlap, point_in_rectangle
 from slam.geometric_update import fuse_as_set
 from slam.growth import take_row
-from slam.innovation import n_closed, workspace
+from slam.innovation import n_closed, workspaces
 from slam.jit import Array, Record, njit
 from slam.maps import cover, drop, own, region_of
 from slam.particles import PARTICLE
@@ -31,12 +31,12 @@ def resolve_duplicates(
     maps: Record, near: Array, n_near: Array, associations: Array, scan_number: int, p: Record
 ) -> None:
     """Compare a region just measured with its neighbours; merge twins and rank rivals."""
-    work = workspace(p.tolerance)
+    work = workspaces(p.tolerance)
     scratch, candidate, stand = np.zeros(5, REGION), np.zeros(1, CANDIDATE), np.zeros(1, PARTICLE)
     for i in range(len(associations)):
         for younger, older in find_twins(maps, i, near, n_near, associations, scan_number, p):
             kept = own(maps, i, older)
-            merge(region_of(maps, i, younger), kept, p, work, scratch, candidate[0], stand[0])
+            merge(region_of(maps, i, younger), kept, p, work, scratch, candidate[0], stand)
             cover(maps, older, kept)
             drop(maps, i, younger)
         settle_rivals(maps, i, near, n_near, p)
@@ -167,7 +167,7 @@ def are_twins(a: Record, b: Record, margin: float) -> bool:
 
 @njit
 def merge(
-    younger: Record, older: Record, p: Record, work: Record, descriptions: Record, candidate: Record, stand: Record
+    younger: Record, older: Record, p: Record, work: Array, descriptions: Array, candidate: Record, stand: Array
 ) -> None:
     """Make one region of two of a type, under the older identity.
 
@@ -178,7 +178,7 @@ def merge(
         if candidate.turn_map:
             turn(older, 1, descriptions[4])
             take_row(descriptions[4], older)
-        fuse_as_set(descriptions[candidate.turn], older, candidate.offset, stand.pose, work, p)
+        fuse_as_set(descriptions[candidate.turn], older, candidate.offset, stand[0].pose, work[0], p)
         join(younger, older)
     elif outranks(younger, older, p):
         take_row(younger, older)
@@ -188,16 +188,19 @@ def merge(
 
 @njit
 def agree(
-    younger: Record, older: Record, p: Record, work: Record, descriptions: Record, candidate: Record, stand: Record
+    younger: Record, older: Record, p: Record, work: Array, descriptions: Array, candidate: Record, stand: Array
 ) -> bool:
-    """Write how the younger of two twins, measured from its anchor, describes the older; say whether they agree."""
-    stand.pose[0], stand.pose[1], stand.pose[2] = younger.anchor[0], younger.anchor[1], 0.0
+    """Write how the younger of two twins, measured from its anchor, describes the older; say whether they agree.
+
+    `work`, `descriptions` and `stand` are scratch: one `WORKSPACE`, five of `REGION` and one `PARTICLE`.
+    """
+    stand[0].pose[0], stand[0].pose[1], stand[0].pose[2] = younger.anchor[0], younger.anchor[1], 0.0
     for quarters in range(4):
         turn(younger, quarters, descriptions[quarters])
         for k in range(1, MAX_STATE):
             if descriptions[quarters].closed[k] == 0 and not p.paper_update:
                 descriptions[quarters].cov[k, k] = 0.0
-    alike = compare(descriptions, older, stand, p, work, descriptions[4], candidate)
+    alike = compare(descriptions, older, stand[0], p, work[0], descriptions[4], candidate)
     return alike and candidate.distance < p.gate_associate
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from slam.association import NEW
 from slam.edge_form import FLAT_VARIANCE, bounding_radius, state_size
 from slam.growth import LEAST_SIZE, forget_edge, grow, keep_order, outward_of, take_row
-from slam.innovation import condition, correspond, innovate, workspace
+from slam.innovation import condition, correspond, innovate, workspaces
 from slam.jit import Array, Record, njit
 from slam.maps import add, cover, new_slot, own
 from slam.measurement import MAX_MEASUREMENTS
@@ -50,7 +50,7 @@ def update_geometry(
     p: Record,
 ) -> None:
     """Update every associated region and add the new ones; a new region's slot goes into `associations` and `near`."""
-    work = workspace(p.tolerance)
+    work = workspaces(p.tolerance)
     turned = np.zeros_like(measured[:1, 0])
     born = np.full(len(measured), -1, np.int64)  # the slot of a new region is the same for all particles
     for i in range(len(particles)):
@@ -62,7 +62,7 @@ def update_geometry(
                 if a.turn_map:
                     turn(m, 1, turned[0])
                     take_row(turned[0], m)
-                fuse_as_set(measured[j, a.turn], m, a.offset, particle.pose, work, p)
+                fuse_as_set(measured[j, a.turn], m, a.offset, particle.pose, work[0], p)
                 m.sightings += 1
                 m.last_seen = scan_number
                 cover(maps, a.slot, m)

@@ -13,7 +13,7 @@ A row of the correspondence holds: index in z, index in m, residual, lever (d rh
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -29,39 +29,38 @@ LOG_REFERENCE_HEADING = -np.log(2 * np.pi)
 """Log density of a heading that is not explained, per rad."""
 
 
-class Workspace(NamedTuple):
-    """Scratch arrays of one comparison, and how far (m) a bound may be off."""
-
-    iz: np.ndarray  # (rows,) index in z
-    im: np.ndarray  # (rows,) index in m
-    residual: np.ndarray  # (rows,) becomes L^-1 r
-    lever: np.ndarray  # (rows,) d rho / d phi
-    normal: np.ndarray  # (rows, 3) d rho / d pose
-    cov: np.ndarray  # (rows, rows) innovation covariance, becomes its Cholesky factor
-    gain: np.ndarray  # (rows, states) H C, becomes L^-1 H C
-    certain: np.ndarray  # (3, 3) covariance of a drawn pose: zero
-    regions: np.ndarray  # (2,) of REGION
-    figures: np.ndarray  # (2,) of MEASUREMENT
-    tolerance: float  # m
+WORKSPACE = np.dtype(
+    (
+        np.record,
+        [
+            ("iz", np.int64, (MAX_STATE,)),  # (rows,) index in z
+            ("im", np.int64, (MAX_STATE,)),  # (rows,) index in m
+            ("residual", np.float64, (MAX_STATE,)),  # (rows,) becomes L^-1 r
+            ("lever", np.float64, (MAX_STATE,)),  # (rows,) d rho / d phi
+            ("normal", np.float64, (MAX_STATE, 3)),  # (rows, 3) d rho / d pose
+            ("cov", np.float64, (MAX_STATE, MAX_STATE)),  # (rows, rows) innovation covariance, becomes its factor L
+            ("gain", np.float64, (MAX_STATE, MAX_STATE)),  # (rows, states) H C, becomes L^-1 H C
+            ("certain", np.float64, (3, 3)),  # covariance of a drawn pose: zero
+            ("regions", REGION, (2,)),
+            ("figures", MEASUREMENT, (2,)),
+            ("tolerance", np.float64),  # how far a bound may be off, m
+        ],
+    )
+)
+"""Scratch of one comparison. One record costs a call one pointer, a tuple of arrays a hundred words and their count."""
 
 
 @njit
+def workspaces(tolerance: float) -> Array:
+    """Return fresh scratch, shape (1,) of `WORKSPACE`, for a filter of that tolerance, m."""
+    work = np.zeros(1, WORKSPACE)
+    work[0].tolerance = tolerance
+    return work
+
+
 def workspace(tolerance: float = 0.1) -> Any:
-    """Return fresh scratch arrays for a filter of that tolerance, m; by default that of the default settings."""
-    n = MAX_STATE
-    return Workspace(
-        np.zeros(n, np.int64),
-        np.zeros(n, np.int64),
-        np.zeros(n),
-        np.zeros(n),
-        np.zeros((n, 3)),
-        np.zeros((n, n)),
-        np.zeros((n, n)),
-        np.zeros((3, 3)),
-        np.zeros(2, REGION),
-        np.zeros(2, MEASUREMENT),
-        tolerance,
-    )
+    """Return one `WORKSPACE`; the tolerance, m, is by default that of the default settings."""
+    return workspaces(tolerance)[0]
 
 
 @njit

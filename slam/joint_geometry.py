@@ -16,7 +16,7 @@ from slam.duplicates import agree, inherit, join, outranks, supplant
 from slam.edge_form import bounding_radius, state_size
 from slam.geometric_update import begin, settle_open_edges
 from slam.growth import LEAST_SIZE, forget_edge, grow, keep_order, take_row
-from slam.innovation import workspace, wrap
+from slam.innovation import workspaces, wrap
 from slam.jit import Array, Record, njit
 from slam.joint_gaussian import FLAT, POSE, JointGaussian, follow_shift, follow_turn, marginalise, release
 from slam.joint_rows import relative_covariance, write_rows, write_twin_rows
@@ -166,7 +166,7 @@ def lay_over(joint: Record, maps: Record, particle: int, younger: int, older: in
     """Describe twins alike and write the rows of their common edges; return number (0: they disagree) and offset."""
     scratch, candidate, stand = np.zeros(5, REGION), np.zeros(1, CANDIDATE), np.zeros(1, PARTICLE)
     a, b = own(maps, particle, younger), own(maps, particle, older)
-    if not agree(a, b, p, workspace(p.tolerance), scratch, candidate[0], stand[0]):
+    if not agree(a, b, p, workspaces(p.tolerance), scratch, candidate[0], stand):
         return 0, 0
     chosen = candidate[0]
     describe_anew(joint, younger, a, chosen.turn, scratch[4])

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from slam.innovation import condition, correspond, log_likelihood, workspace, wrap
+from slam.innovation import condition, correspond, log_likelihood, workspaces, wrap
 from slam.jit import Array, Record, njit
 from slam.maps import region_of
 from slam.paper_innovation import innovate_as_set
@@ -59,7 +59,7 @@ def propose(particles: Array, maps: Record, measured: Array, associations: Array
     What a measurement says counts relative to a reference density, and one without region counts nothing, so that
     particles that explain more weigh more.
     """
-    work = workspace(p.tolerance)
+    work = workspaces(p.tolerance)
     turned = np.zeros_like(measured[:1, 0])
     for i in range(len(particles)):
         particle = particles[i]
@@ -71,16 +71,16 @@ def propose(particles: Array, maps: Record, measured: Array, associations: Array
             if a.turn_map:
                 turn(m, 1, turned[0])
                 m = turned[0]
-            rows, _ = correspond(z, m, a.offset, particle.pose, work.tolerance**2, work, np.inf)
-            rows, distance, log_det = innovate_as_set(z, m, rows, particle.cov, work, p)
+            rows, _ = correspond(z, m, a.offset, particle.pose, work[0].tolerance**2, work[0], np.inf)
+            rows, distance, log_det = innovate_as_set(z, m, rows, particle.cov, work[0], p)
             particle.log_weight += log_likelihood(distance, log_det, rows, p.log_reference)
             for r in range(rows):
                 for b in range(3):
                     total = 0.0
                     for c in range(3):
-                        total += work.normal[r, c] * particle.cov[c, b]
-                    work.gain[r, b] = total
-            condition(particle.pose, particle.cov, 3, rows, work)
+                        total += work[0].normal[r, c] * particle.cov[c, b]
+                    work[0].gain[r, b] = total
+            condition(particle.pose, particle.cov, 3, rows, work[0])
             particle.pose[2] = wrap(particle.pose[2])
         for a in range(3):
             particle.expected[a] = particle.pose[a]

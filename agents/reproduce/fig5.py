@@ -23,7 +23,7 @@ from slam.config import GEOMETRIC_UPDATES, Parameters, SlamConfig
 from slam.evaluation.consistency import nees_band
 from slam.geometric_update import fuse_as_set, start
 from slam.growth import take_row
-from slam.innovation import workspace
+from slam.innovation import workspaces
 from slam.jit import Array, njit
 from slam.measurement import MEASUREMENT, MeasurementNoise
 from slam.parameters import to_parameters
@@ -83,7 +83,7 @@ def follow(records: Array, poses: Array, parameters: tuple[Any, ...], figures: A
     the last one. Both are written.
     """
     p = Parameters(*parameters)
-    work = workspace(p.tolerance)
+    work = workspaces(p.tolerance)
     descriptions, scratch = np.zeros((1, 4), REGION), np.zeros(1, REGION)
     candidates, robots = np.zeros(1, CANDIDATE), np.zeros(1, PARTICLE)
     type_numbers = np.zeros(1, np.int64)
@@ -94,11 +94,11 @@ def follow(records: Array, poses: Array, parameters: tuple[Any, ...], figures: A
         robot.pose[:] = poses[t]
         if t == 0:
             start(descriptions[0, 0], poses[0], m[0], p)
-        elif compare(descriptions[0], m[0], robot, p, work, scratch[0], candidate):
+        elif compare(descriptions[0], m[0], robot, p, work[0], scratch[0], candidate):
             if candidate.turn_map:
                 turn(m[0], 1, scratch[0])
                 take_row(scratch[0], m[0])
-            fuse_as_set(descriptions[0, candidate.turn], m[0], candidate.offset, poses[t], work, p)
+            fuse_as_set(descriptions[0, candidate.turn], m[0], candidate.offset, poses[t], work[0], p)
         turn(m[0], 0 if np.cos(m[0].state[0]) > 0 else 2, scratch[0])
         to_parameters(scratch[0], figures[t])
         if complete == len(records) and m[0].n == 3 and m[0].closed.sum() == MAX_STATE:
