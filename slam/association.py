@@ -28,6 +28,25 @@ ASSOCIATION = np.dtype(
 Quarter turns are the equivalent descriptions of `slam.turning`: those of a longer row lie along its other axis.
 """
 
+NEIGHBOUR = np.dtype(
+    (
+        np.record,
+        [
+            ("record", np.int64),
+            ("type", np.int64),
+            ("area", np.float64),  # m²
+            ("x", np.float64),  # anchor, map frame, m
+            ("y", np.float64),
+            ("radius", np.float64),  # m
+            ("c", np.float64),  # `innovation.frame_of`
+            ("s", np.float64),
+            ("u", np.float64),
+            ("v", np.float64),
+        ],
+    )
+)
+"""What a region near a particle is to all measurements: a few numbers side by side."""
+
 NEW, AMBIGUOUS = -1, -2
 
 CANDIDATES_PER_MEASUREMENT = 12
@@ -64,31 +83,28 @@ def associate(
     """
     work = workspaces(p.tolerance)
     turned, found = np.zeros_like(measured[:1, 0]), np.zeros(1, CANDIDATE)
-    circles = bounding_circles(measured)
-    areas, frames = np.zeros(near.shape[1]), np.zeros((near.shape[1], 4))
+    circles, around, pool = bounding_circles(measured), np.empty(near.shape[1], NEIGHBOUR), maps.pool
     for i in range(len(particles)):
         for j in range(n_near[i]):
-            m = region_of(maps, i, near[i, j])
-            areas[j] = area(m)
-            frames[j, 0], frames[j, 1], frames[j, 2], frames[j, 3] = frame_of(m, particles[i].pose)
+            look_at(pool, maps.table[i, near[i, j]], particles[i], around[j])
         pose = particles[i].pose
         c, s = np.cos(pose[2]), np.sin(pose[2])
         margin = MARGIN * p.sensor_range + 5.0 * np.sqrt(particles[i].cov[0, 0] + particles[i].cov[1, 1])
         n = 0
         for z in range(len(measured)):
-            first = n
+            first, descriptions, type_number = n, measured[z], measured[z, 0].type
             x = pose[0] + c * circles[z, 0] - s * circles[z, 1]
             y = pose[1] + s * circles[z, 0] + c * circles[z, 1]
+            widest, size = circles[z, 2] + margin, circles[z, 3]
             for j in range(n_near[i]):
-                m = region_of(maps, i, near[i, j])
-                dx, dy = m.anchor[0] - x, m.anchor[1] - y
-                reach = m.radius + circles[z, 2] + margin
-                if dx * dx + dy * dy > reach * reach:
+                other = around[j]
+                dx, dy, reach = other.x - x, other.y - y, other.radius + widest
+                if dx * dx + dy * dy > reach * reach or (
+                    type_number != other.type and not are_alike(size, other.area)
+                ):
                     continue
-                if measured[z, 0].type != m.type and not are_alike(circles[z, 3], areas[j]):
-                    continue
-                frame = (frames[j, 0], frames[j, 1], frames[j, 2], frames[j, 3])
-                if compare_in(frame, measured[z], m, particles[i], p, work[0], turned[0], found[0]):
+                frame, m = (other.c, other.s, other.u, other.v), pool[other.record]
+                if compare_in(frame, descriptions, m, particles[i], p, work[0], turned[0], found[0]):
                     found[0].z, found[0].slot = z, near[i, j]
                     n = keep(candidates[i], first, n, found[0])
         n_candidates[i] = n
@@ -99,6 +115,15 @@ def associate(
                 if is_misnamed(measured[z], m, particles[i], p, work[0], turned[0], found[0]):
                     associations[i, z].slot = AMBIGUOUS
                     break
+
+
+@njit
+def look_at(pool: Array, record: int, particle: Record, out: Record) -> None:
+    """Write what data association asks of a region again and again into `out`, a `NEIGHBOUR`."""
+    m = pool[record]
+    out.record, out.type, out.area = record, m.type, area(m)
+    out.x, out.y, out.radius = m.anchor[0], m.anchor[1], m.radius
+    out.c, out.s, out.u, out.v = frame_of(m, particle.pose)
 
 
 @njit

@@ -79,14 +79,14 @@ def find_twins(
 def settle_rivals(maps: Record, particle: int, near: Array, n_near: Array, p: Record) -> None:
     """Settle the rivalries of all regions nearby."""
     for j in range(n_near[particle]):
-        settle_rivalry(maps, particle, near[particle, j], p)
+        slot = near[particle, j]
+        if maps.table[particle, slot] >= 0 and region_of(maps, particle, slot).rival >= 0:
+            settle_rivalry(maps, particle, slot, p)
 
 
 @njit
 def settle_rivalry(maps: Record, particle: int, slot: int, p: Record) -> None:
     """Free a hypothesis whose rival is gone or has lost its lead."""
-    if maps.table[particle, slot] < 0 or region_of(maps, particle, slot).rival < 0:
-        return
     m = region_of(maps, particle, slot)
     # The slot of the rival may be free or hold another region by now.
     gone = maps.table[particle, m.rival] < 0

@@ -38,7 +38,7 @@ def to_edge_form(z: Record, out: Record) -> None:
     out.n, out.main, out.type, out.confidence = n, main, z.type, z.confidence
     out.anchor[0] = out.anchor[1] = 0.0
     mean, closed = out.state, out.closed
-    jacobian = np.zeros((MAX_STATE, MAX_STATE))  # columns: x, y, w, h, phi, then w, h, y of each subrectangle
+    jacobian = np.zeros((MAX_STATE + 1, MAX_STATE))  # columns: x, y, w, h, phi, then w, h, y of each subrectangle
     mean[0], closed[0], jacobian[0, 4] = z.phi, 1, 1.0
     for side in range(2):
         k = u_index(main + side)
@@ -76,32 +76,28 @@ def to_edge_form(z: Record, out: Record) -> None:
 
 @njit
 def _covariance(z: Record, jacobian: Array, size: int, cov: Array) -> None:
-    """Write G Q G^T, with Q the block-diagonal covariance of the paper's parameters."""
-    q = np.zeros((MAX_STATE, MAX_STATE))
-    q[0, 0], q[0, 1], q[1, 0], q[1, 1] = z.cov_xy[0, 0], z.cov_xy[0, 1], z.cov_xy[1, 0], z.cov_xy[1, 1]
-    q[2, 2], q[2, 3], q[3, 2], q[3, 3] = z.cov_wh[0, 0], z.cov_wh[0, 1], z.cov_wh[1, 0], z.cov_wh[1, 1]
-    q[4, 4] = z.var_phi
-    column = 5
-    for side in range(2):
-        if (side == 0 and z.main == 0) or (side == 1 and z.main + 1 >= z.n):
-            continue
-        for i in range(2):
-            for j in range(2):
-                q[column + i, column + j] = z.sub_cov_wh[side, i, j]
-        q[column + 2, column + 2] = z.sub_var_y[side]
-        column += 3
-    product = np.zeros((MAX_STATE, MAX_STATE))
+    """Write G Q G^T, with Q the block-diagonal covariance of the paper's parameters; the last row of G is scratch."""
+    product = len(jacobian) - 1  # row i of G Q
     for i in range(size):
-        for k in range(size):
-            if jacobian[i, k] != 0.0:
-                for j in range(size):
-                    product[i, j] += jacobian[i, k] * q[k, j]
-    for i in range(size):
-        for j in range(size):
+        jacobian[product, 0] = jacobian[i, 0] * z.cov_xy[0, 0] + jacobian[i, 1] * z.cov_xy[1, 0]
+        jacobian[product, 1] = jacobian[i, 0] * z.cov_xy[0, 1] + jacobian[i, 1] * z.cov_xy[1, 1]
+        jacobian[product, 2] = jacobian[i, 2] * z.cov_wh[0, 0] + jacobian[i, 3] * z.cov_wh[1, 0]
+        jacobian[product, 3] = jacobian[i, 2] * z.cov_wh[0, 1] + jacobian[i, 3] * z.cov_wh[1, 1]
+        jacobian[product, 4] = jacobian[i, 4] * z.var_phi
+        column = 5
+        for side in range(2):
+            if (side == 0 and z.main == 0) or (side == 1 and z.main + 1 >= z.n):
+                continue
+            w, h, y = jacobian[i, column], jacobian[i, column + 1], jacobian[i, column + 2]
+            jacobian[product, column] = w * z.sub_cov_wh[side, 0, 0] + h * z.sub_cov_wh[side, 1, 0]
+            jacobian[product, column + 1] = w * z.sub_cov_wh[side, 0, 1] + h * z.sub_cov_wh[side, 1, 1]
+            jacobian[product, column + 2] = y * z.sub_var_y[side]
+            column += 3
+        for j in range(i + 1):
             total = 0.0
             for k in range(size):
-                total += product[i, k] * jacobian[j, k]
-            cov[i, j] = total
+                total += jacobian[product, k] * jacobian[j, k]
+            cov[i, j] = cov[j, i] = total
 
 
 @njit

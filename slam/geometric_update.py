@@ -13,7 +13,7 @@ import numpy as np
 from slam.association import NEW
 from slam.edge_form import FLAT_VARIANCE, bounding_radius, state_size
 from slam.growth import LEAST_SIZE, forget_edge, grow, keep_order, outward_of, take_row
-from slam.innovation import condition, correspond, innovate, workspaces
+from slam.innovation import condition, frame_of, innovate, match_edges, workspaces, wrap
 from slam.jit import Array, Record, njit
 from slam.maps import add, cover, new_slot, own
 from slam.measurement import MAX_MEASUREMENTS
@@ -99,7 +99,7 @@ def start(z: Record, pose: Array, m: Record, p: Record) -> None:
     mid_v = (z.state[i] + z.state[i + 1]) / 2
     c, s = np.cos(z.state[0] + pose[2]), np.sin(z.state[0] + pose[2])
     m.anchor[0], m.anchor[1] = pose[0] + c * mid_u - s * mid_v, pose[1] + s * mid_u + c * mid_v
-    m.state[0] = (z.state[0] + pose[2] + np.pi) % (2 * np.pi) - np.pi
+    m.state[0] = wrap(z.state[0] + pose[2])
     size = state_size(z.n)
     lever = np.zeros(size)
     for k in range(z.n + 1):
@@ -139,16 +139,13 @@ def fuse_as_set(z: Record, m: Record, offset: int, pose: Array, work: Record, p:
 def fuse(z: Record, m: Record, offset: int, pose: Array, work: Record) -> None:
     """Update region m with row z, seen from a certain pose with rectangle j of z being rectangle j + offset of m."""
     offset = grow(z, m, offset)
-    settle_open_edges(z, m, offset, pose, work.tolerance**2)
-    rows, _ = correspond(z, m, offset, pose, work.tolerance**2, work, np.inf)
+    slack, (c, s, pu, pv) = work.tolerance**2, frame_of(m, pose)
+    settle_open_edges(z, m, offset, pu, pv, slack)
+    rows, _ = match_edges(z, m, offset, c, s, pu, pv, pose[2], slack, work, np.inf)
     straighten(z, rows, work)
     innovate(z, m, rows, work.certain, work)
-    size = state_size(m.n)
-    for r in range(rows):
-        for b in range(size):
-            work.gain[r, b] = m.cov[work.im[r], b] + work.lever[r] * m.cov[0, b]
-    condition(m.state, m.cov, size, rows, work)
-    m.state[0] = (m.state[0] + np.pi) % (2 * np.pi) - np.pi
+    condition(m.state, m.cov, state_size(m.n), rows, work)
+    m.state[0] = wrap(m.state[0])
     keep_order(m, LEAST_SIZE * work.tolerance)
     m.radius = bounding_radius(m)
 
@@ -174,14 +171,11 @@ def straighten(z: Record, rows: int, work: Record) -> None:
 
 
 @njit
-def settle_open_edges(z: Record, m: Record, offset: int, pose: Array, slack: float) -> None:
+def settle_open_edges(z: Record, m: Record, offset: int, pu: float, pv: float, slack: float) -> None:
     """Push the open edges of m out to z, and open a flat prior for those that z has closed.
 
-    `slack` is a variance (m²) granted to the ends of views.
+    (pu, pv) is the anchor as seen from the pose (`frame_of`), `slack` a variance (m²) granted to the ends of views.
     """
-    c, s = np.cos(m.state[0]), np.sin(m.state[0])
-    dx, dy = m.anchor[0] - pose[0], m.anchor[1] - pose[1]
-    pu, pv = c * dx + s * dy, -s * dx + c * dy
     for k in range(max(0, offset), min(m.n, z.n + offset) + 1):
         if 0 < k < m.n and m.closed[u_index(k)]:
             continue  # a joint, known to be one
@@ -197,8 +191,10 @@ def settle(z: Record, m: Record, i: int, j: int, shift: float, outward: int, sla
     """Settle one edge: j of m, i of z."""
     measured = z.state[i] - shift
     if m.closed[j]:
-        limit = CONTRARY_SIGMAS * np.sqrt(z.cov[i, i] + m.cov[j, j] + slack)
-        is_beyond = not z.closed[i] and outward * (measured - m.state[j]) > limit
+        is_beyond = False
+        if not z.closed[i]:
+            limit = CONTRARY_SIGMAS * np.sqrt(z.cov[i, i] + m.cov[j, j] + slack)
+            is_beyond = outward * (measured - m.state[j]) > limit
         m.contrary[j] = m.contrary[j] + 1 if is_beyond else max(m.contrary[j] - 1, 0)
         if m.contrary[j] < REOPEN_AFTER:
             return

@@ -83,7 +83,10 @@ def search(slots: Array, buckets: Array, n_layers: int, x: float, y: float, radi
             for slot in buckets:
                 while slot >= 0:
                     if slots[slot].layer == layer and meets(slots[slot], x, y, radius):
-                        found, n = append(found, n, slot)
+                        if n == len(found):
+                            found = doubled(found)
+                        found[n] = slot
+                        n += 1
                     slot = slots[slot].next
             width *= 2
             continue
@@ -92,7 +95,10 @@ def search(slots: Array, buckets: Array, n_layers: int, x: float, y: float, radi
                 slot = buckets[bucket_of(layer, column, row, len(buckets))]
                 while slot >= 0:
                     if touches(slots[slot], layer, column, row, x, y, radius):
-                        found, n = append(found, n, slot)
+                        if n == len(found):
+                            found = doubled(found)
+                        found[n] = slot
+                        n += 1
                     slot = slots[slot].next
         width *= 2
     return np.sort(found[:n])
@@ -127,9 +133,6 @@ def meets(place: Record, x: float, y: float, radius: float) -> bool:
 
 
 @njit
-def append(array: Array, n: int, value: int) -> Any:
-    """Put a value behind the first n of an array, which grows where it is full; return it and the new number."""
-    if n == len(array):
-        array = np.concatenate((array, np.empty(n, np.int64)))
-    array[n] = value
-    return array, n + 1
+def doubled(array: Array) -> Array:
+    """Return an array twice as long that begins with the given one."""
+    return np.concatenate((array, np.empty(len(array), np.int64)))

@@ -33,13 +33,16 @@ WORKSPACE = np.dtype(
     (
         np.record,
         [
-            ("iz", np.int64, (MAX_STATE,)),  # (rows,) index in z
-            ("im", np.int64, (MAX_STATE,)),  # (rows,) index in m
+            ("iz", np.uint8, (MAX_STATE,)),  # (rows,) index in z; unsigned, it needs no look whether it counts from the end
+            ("im", np.uint8, (MAX_STATE,)),  # (rows,) index in m
             ("residual", np.float64, (MAX_STATE,)),  # (rows,) becomes L^-1 r
             ("lever", np.float64, (MAX_STATE,)),  # (rows,) d rho / d phi
             ("normal", np.float64, (MAX_STATE, 3)),  # (rows, 3) d rho / d pose
             ("cov", np.float64, (MAX_STATE, MAX_STATE)),  # (rows, rows) innovation covariance, becomes its factor L
+            ("least", np.float64, (MAX_STATE,)),  # (rows,) of the pivots of S
+            ("scale", np.float64, (MAX_STATE,)),  # (rows,) reciprocal diagonal of L
             ("gain", np.float64, (MAX_STATE, MAX_STATE)),  # (rows, states) H C, becomes L^-1 H C
+            ("by_pose", np.float64, (MAX_STATE, 3)),  # (rows, 3) H P of the pose
             ("certain", np.float64, (3, 3)),  # covariance of a drawn pose: zero
             ("regions", REGION, (2,)),
             ("figures", MEASUREMENT, (2,)),
@@ -60,7 +63,9 @@ def workspaces(tolerance: float) -> Array:
 
 def workspace(tolerance: float = 0.1) -> Any:
     """Return one `WORKSPACE`; the tolerance, m, is by default that of the default settings."""
-    return workspaces(tolerance)[0]
+    work = np.zeros(1, WORKSPACE)
+    work["tolerance"] = tolerance
+    return work[0]
 
 
 @njit
@@ -206,49 +211,54 @@ def innovate(z: Record, m: Record, rows: int, pose_cov: Array, work: Record) -> 
 
 @njit
 def innovation_covariance(z: Record, m: Record, rows: int, pose_cov: Array, work: Record) -> None:
-    """Write the lower half of S = H_x P H_x^T + H_m C H_m^T + R.
+    """Write the lower half of S = H_x P H_x^T + H_m C H_m^T + R, and on the way H_m C and H_x P.
 
     With the joint covariances of pose, mapped region and measurement.
     """
-    phi_variance = m.cov[0, 0]
+    gain, by_pose, normal = work.gain, work.by_pose, work.normal
+    size = state_size(m.n)
     for i in range(rows):
-        gi, mi, zi = work.lever[i], work.im[i], work.iz[i]
-        t0, t1, t2 = 0.0, 0.0, 0.0
-        for a in range(3):
-            na = work.normal[i, a]
-            if na != 0.0:
-                t0 += na * pose_cov[a, 0]
-                t1 += na * pose_cov[a, 1]
-                t2 += na * pose_cov[a, 2]
+        lever, mi, zi = work.lever[i], work.im[i], work.iz[i]
+        for b in range(size):
+            gain[i, b] = m.cov[mi, b] + lever * m.cov[0, b]
+        for b in range(3):
+            by_pose[i, b] = (
+                normal[i, 0] * pose_cov[0, b] + normal[i, 1] * pose_cov[1, b] + normal[i, 2] * pose_cov[2, b]
+            )
+        with_phi, t0, t1, t2 = gain[i, 0], by_pose[i, 0], by_pose[i, 1], by_pose[i, 2]
         for j in range(i + 1):
-            gj, mj = work.lever[j], work.im[j]
-            value = z.cov[zi, work.iz[j]] + m.cov[mi, mj]
-            value += gi * m.cov[0, mj] + gj * m.cov[mi, 0] + gi * gj * phi_variance
-            value += t0 * work.normal[j, 0] + t1 * work.normal[j, 1] + t2 * work.normal[j, 2]
-            work.cov[i, j] = value
+            known = gain[i, work.im[j]] + work.lever[j] * with_phi
+            seen_from = t0 * normal[j, 0] + t1 * normal[j, 1] + t2 * normal[j, 2]
+            work.cov[i, j] = z.cov[zi, work.iz[j]] + known + seen_from
 
 
 @njit
 def whiten(rows: int, work: Record) -> Any:
-    """Replace S by its Cholesky factor and the residual r by y = L^-1 r; return (y . y, log det S)."""
+    """Replace S by its Cholesky factor and the residual r by y = L^-1 r; return (y . y, log det S).
+
+    Column by column, so that only one division waits for the one before it.
+    """
+    cov, residual = work.cov, work.residual
     distance, determinant = 0.0, 1.0
-    for i in range(rows):
-        least = 1e-12 * work.cov[i, i]
-        for j in range(i + 1):
-            total = work.cov[i, j]
-            for k in range(j):
-                total -= work.cov[i, k] * work.cov[j, k]
-            if i == j:
-                work.cov[i, i] = np.sqrt(max(total, least))
-            else:
-                work.cov[i, j] = total / work.cov[j, j]
-        determinant *= work.cov[i, i]
-        total = work.residual[i]
-        for k in range(i):
-            total -= work.cov[i, k] * work.residual[k]
-        work.residual[i] = total / work.cov[i, i]
-        distance += work.residual[i] ** 2
-    return distance, 2 * np.log(determinant)
+    for k in range(rows):
+        work.least[k] = 1e-12 * cov[k, k]
+    for k in range(rows):
+        pivot = max(cov[k, k], work.least[k])
+        inverse = 1.0 / pivot
+        determinant *= pivot
+        distance += residual[k] * residual[k] * inverse
+        for i in range(k + 1, rows):
+            share = cov[i, k] * inverse
+            for j in range(k + 1, i + 1):
+                cov[i, j] -= share * cov[j, k]
+            residual[i] -= share * residual[k]
+        scale = np.sqrt(inverse)
+        work.scale[k] = scale
+        residual[k] *= scale
+        cov[k, k] = pivot * scale
+        for i in range(k + 1, rows):
+            cov[i, k] *= scale
+    return distance, np.log(determinant)
 
 
 @njit
@@ -256,20 +266,19 @@ def condition(mean: Array, cov: Array, size: int, rows: int, work: Record) -> No
     """Kalman update of a Gaussian in place, `work.gain[:rows, :size]` holding H C: eqs. (3)–(6) by Cholesky factors."""
     gain = work.gain
     for i in range(rows):
+        scale, y = work.scale[i], work.residual[i]
         for a in range(size):
             total = gain[i, a]
             for k in range(i):
                 total -= work.cov[i, k] * gain[k, a]
-            gain[i, a] = total / work.cov[i, i]
+            gain[i, a] = total * scale
+            mean[a] += gain[i, a] * y
     for a in range(size):
-        for i in range(rows):
-            mean[a] += gain[i, a] * work.residual[i]
         for b in range(a + 1):
-            total = 0.0
+            total = cov[a, b]
             for i in range(rows):
-                total += gain[i, a] * gain[i, b]
-            cov[a, b] -= total
-            cov[b, a] = cov[a, b]
+                total -= gain[i, a] * gain[i, b]
+            cov[a, b] = cov[b, a] = total
 
 
 @njit

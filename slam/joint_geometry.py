@@ -16,7 +16,7 @@ from slam.duplicates import agree, inherit, join, outranks, supplant
 from slam.edge_form import bounding_radius, state_size
 from slam.geometric_update import begin, settle_open_edges
 from slam.growth import LEAST_SIZE, forget_edge, grow, keep_order, take_row
-from slam.innovation import workspaces, wrap
+from slam.innovation import frame_of, workspaces, wrap
 from slam.jit import Array, Record, njit
 from slam.joint_gaussian import FLAT, POSE, JointGaussian, follow_shift, follow_turn, marginalise, release
 from slam.joint_rows import relative_covariance, write_rows, write_twin_rows
@@ -92,7 +92,8 @@ def widen(joint: Record, slot: int, z: Record, m: Record, offset: int, pose: Arr
     for k in range(-offset):
         follow_shift(joint, slot, m.n + k)
     offset = grow(z, m, offset)
-    settle_open_edges(z, m, offset, pose, tolerance**2)
+    _, _, pu, pv = frame_of(m, pose)
+    settle_open_edges(z, m, offset, pu, pv, tolerance**2)
     for k in range(MAX_STATE):
         if joint.entries[slot, k] >= 0 and not m.closed[k]:
             release(joint, joint.entries[slot, k])

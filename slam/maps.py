@@ -116,16 +116,22 @@ def new_slot(maps: Record, region_id: int) -> Any:
 def cover(maps: Record, slot: int, m: Record) -> None:
     """See to it that the slot's circle in the grid covers a particle's region."""
     place = maps.slots[slot]
+    dx, dy = m.anchor[0] - place.x, m.anchor[1] - place.y
+    if place.radius < np.sqrt(dx * dx + dy * dy) + m.radius:
+        widen(maps, slot, m)
+
+
+@njit
+def widen(maps: Record, slot: int, m: Record) -> None:
+    """Let a slot's circle grow to cover a region; the first one makes it."""
+    place = maps.slots[slot]
     if place.radius < 0.0:
         place.x, place.y, place.radius = m.anchor[0], m.anchor[1], m.radius
-        enter(maps.slots, maps.buckets, slot, maps.counts[LAYERS:])
-        return
-    dx, dy = m.anchor[0] - place.x, m.anchor[1] - place.y
-    radius = np.sqrt(dx * dx + dy * dy) + m.radius
-    if radius > place.radius:
+    else:
         leave(maps.slots, maps.buckets, slot)
-        place.radius = radius
-        enter(maps.slots, maps.buckets, slot, maps.counts[LAYERS:])
+        dx, dy = m.anchor[0] - place.x, m.anchor[1] - place.y
+        place.radius = np.sqrt(dx * dx + dy * dy) + m.radius
+    enter(maps.slots, maps.buckets, slot, maps.counts[LAYERS:])
 
 
 @njit

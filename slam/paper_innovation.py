@@ -63,8 +63,9 @@ def average(z: Record, rows: int, work: Record) -> Any:
 
 @njit
 def _apply(z: Record, weights: Array, bend: Array, n: int, rows: int, work: Record) -> None:
-    """Replace residuals, Jacobian and covariance by those of `n` weighted sums of them."""
-    cov, residual, normal, with_phi = np.zeros((n, n)), np.zeros(n), np.zeros((n, 3)), np.zeros(n)
+    """Replace residuals, Jacobian, its product with P, and covariance by those of `n` weighted sums of them."""
+    cov, residual, with_phi = np.zeros((n, n)), np.zeros(n), np.zeros(n)
+    normal, by_pose = np.zeros((n, 3)), np.zeros((n, 3))
     for a in range(n):
         for r in range(rows):
             w = weights[a, r]
@@ -72,6 +73,7 @@ def _apply(z: Record, weights: Array, bend: Array, n: int, rows: int, work: Reco
             with_phi[a] += w * z.cov[0, work.iz[r]]
             for b in range(3):
                 normal[a, b] += w * work.normal[r, b]
+                by_pose[a, b] += w * work.by_pose[r, b]
             for b in range(a + 1):
                 for q in range(rows):
                     cov[a, b] += w * weights[b, q] * work.cov[max(r, q), min(r, q)]
@@ -80,4 +82,4 @@ def _apply(z: Record, weights: Array, bend: Array, n: int, rows: int, work: Reco
             work.cov[a, b] = cov[a, b] + bend[a] * with_phi[b] + with_phi[a] * bend[b] + bend[a] * bend[b] * z.cov[0, 0]
         work.residual[a] = residual[a]
         for b in range(3):
-            work.normal[a, b] = normal[a, b]
+            work.normal[a, b], work.by_pose[a, b] = normal[a, b], by_pose[a, b]

@@ -76,10 +76,7 @@ def propose(particles: Array, maps: Record, measured: Array, associations: Array
             particle.log_weight += log_likelihood(distance, log_det, rows, p.log_reference)
             for r in range(rows):
                 for b in range(3):
-                    total = 0.0
-                    for c in range(3):
-                        total += work[0].normal[r, c] * particle.cov[c, b]
-                    work[0].gain[r, b] = total
+                    work[0].gain[r, b] = work[0].by_pose[r, b]
             condition(particle.pose, particle.cov, 3, rows, work[0])
             particle.pose[2] = wrap(particle.pose[2])
         for a in range(3):

@@ -108,9 +108,11 @@ def be_born(m: Record, confidence: float, priors: Record) -> None:
 @njit
 def prior_log_odds(m: Record, priors: Record) -> Any:
     """Return the log-odds of p(m), the prior of a region of this type and these dimensions."""
-    inside, least, largest, outside = priors.types[min(m.type, len(priors.types) - 1)]
+    types = priors.types
+    k = min(m.type, len(types) - 1)
+    inside, outside = types[k, 0], types[k, 3]
     if inside != outside:
-        size = area(m)
+        size, least, largest = area(m), types[k, 1], types[k, 2]
         if size > largest or (size < least and is_whole(m)):
             return outside
     return inside

@@ -125,7 +125,8 @@ def update_topology(
     known, places, news = np.zeros((n, 2), np.bool_), np.zeros((n, 2)), np.zeros(n, np.bool_)
     for z in range(n):
         for other in range(n):
-            news[z] |= begins_link(relations[z, other], ADJACENT) or begins_link(relations[z, other], INSIDE)
+            news[z] |= begins_link(relations[z, other, ADJACENT], ADJACENT)
+            news[z] |= begins_link(relations[z, other, INSIDE], INSIDE)
     for i in range(len(associations)):
         pose = particles[i].pose
         c, s = np.cos(pose[2]), np.sin(pose[2])
@@ -145,7 +146,7 @@ def update_topology(
                     if target >= 0 and target != slot:
                         for kind in range(2):
                             value = relations[z, other, kind]
-                            if not known[other, kind] and begins_link(relations[z, other], kind):
+                            if not known[other, kind] and begins_link(value, kind):
                                 second_type = maps.pool[maps.table[i, target]].type
                                 remember(maps, m, target, second_type, kind, value, places[other], priors)
         for z in range(n):
@@ -154,9 +155,9 @@ def update_topology(
 
 
 @njit
-def begins_link(relation: Array, kind: int) -> bool:
+def begins_link(evidence: float, kind: int) -> bool:
     """Say whether what was measured of two regions is enough to remember a link: a containment must be likely."""
-    return relation[kind] > 0.0 or (kind == ADJACENT and relation[kind] != 0.0)
+    return evidence > 0.0 or (kind == ADJACENT and evidence != 0.0)
 
 
 @njit

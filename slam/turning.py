@@ -11,16 +11,48 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from slam.edge_form import state_size, to_edge_form
 from slam.jit import Array, Record, njit
 from slam.region import MAX_STATE, b_index, u_index
+from slam.rows import MAX_RECTANGLES
 
 COINCIDENT = 4.0**2
 """Squared distance, in variances, up to which two edges can be on one line."""
 
 APART = 0.1**2
 """Share of its variance that each of several edges on one line keeps to itself."""
+
+
+REVERSED = np.array(
+    [
+        [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10],
+        [0, 2, 1, 4, 3, 5, 6, 7, 8, 9, 10],
+        [0, 5, 2, 7, 6, 1, 4, 3, 8, 9, 10],
+        [0, 8, 5, 10, 9, 2, 7, 6, 1, 4, 3],
+    ],
+    np.uint8,
+)
+"""By number of rectangles: which entry of a row is which of the row read from its other end, where edges change sign."""
+
+ACROSS = np.array([0, 3, 4, 2, 1, 5, 6, 7, 8, 9, 10], np.uint8)
+"""Which entry of a rectangle is which after a quarter turn, where v edges change sign."""
+
+
+def _turns() -> tuple[NDArray[np.uint8], NDArray[np.float64]]:
+    """Return source and sign of every entry by number of rectangles and quarter turns; odd turns of one rectangle."""
+    source = np.tile(np.arange(MAX_STATE, dtype=np.uint8), (MAX_RECTANGLES + 1, 4, 1))
+    sign = np.ones(source.shape)
+    source[1, 1], sign[1, 1, 3:5] = ACROSS, -1.0
+    for n in range(1, MAX_RECTANGLES + 1):
+        for quarters in range(2):
+            source[n, quarters + 2] = source[n, quarters, REVERSED[n]]
+            sign[n, quarters + 2, 1:] = -sign[n, quarters, REVERSED[n, 1:]]
+    return source, sign
+
+
+SOURCE, SIGN = _turns()
 
 
 @njit
@@ -31,44 +63,28 @@ def turn(region: Record, quarters: int, out: Record) -> None:
     edges, the new v edges minus the old u.
     """
     n, main, quarters = region.n, region.main, quarters % 4
-    source = np.zeros(MAX_STATE, np.int64)
-    sign = np.ones(MAX_STATE)
-    for i in range(state_size(n)):
-        source[i] = i
-    if quarters % 2 == 1:
-        if n == 1:
-            source[1], source[2], source[3], source[4] = 3, 4, 2, 1
-            sign[3] = sign[4] = -1.0
-        else:
-            mean, cov = region.state.copy(), region.cov.copy()
-            n, main = lay_across(region, mean, cov, source, sign)
-            reverse(n, quarters, source, sign)
-            write(region, mean, cov, n, n - 1 - main if quarters == 3 else main, quarters, source, sign, out)
-            for i in range(1, state_size(n)):
-                for j in range(1, state_size(n)):
-                    if i != j and source[i] == source[j]:
-                        out.cov[i, i] += APART * cov[source[i], source[i]]
-                        break
-            return
-    reverse(n, quarters, source, sign)
-    write(region, region.state, region.cov, n, n - 1 - main if quarters >= 2 else main, quarters, source, sign, out)
+    if quarters % 2 == 1 and n > 1:
+        turn_across(region, quarters, out)
+        return
+    main = n - 1 - main if quarters >= 2 else main
+    write(region, region.state, region.cov, n, main, quarters, SOURCE[n, quarters], SIGN[n, quarters], out)
 
 
 @njit
-def reverse(n: int, quarters: int, source: Array, sign: Array) -> None:
-    """Read a row of n rectangles from its other end, where `quarters` holds a half turn."""
-    if quarters < 2:
-        return
-    for k in range((n + 2) // 2):
-        i, j = u_index(k), u_index(n - k)
-        source[i], source[j] = source[j], source[i]
-        sign[i], sign[j] = -sign[j], -sign[i]
-    for k in range((n + 1) // 2):
-        i, j = b_index(k), b_index(n - 1 - k)
-        bottom, top = source[i], source[i + 1]
-        flip, other = -sign[i], -sign[i + 1]
-        source[i], sign[i], source[i + 1], sign[i + 1] = source[j + 1], -sign[j + 1], source[j], -sign[j]
-        source[j], sign[j], source[j + 1], sign[j + 1] = top, other, bottom, flip
+def turn_across(region: Record, quarters: int, out: Record) -> None:
+    """Write a row of several rectangles as one along its other axis, turned by one quarter or by three."""
+    source, sign = np.zeros(MAX_STATE, np.uint8), np.ones(MAX_STATE)
+    mean, cov = region.state.copy(), region.cov.copy()
+    n, main = lay_across(region, mean, cov, source, sign)
+    if quarters == 3:
+        source, sign, main = source[REVERSED[n]], -sign[REVERSED[n]], n - 1 - main
+        sign[0] = 1.0
+    write(region, mean, cov, n, main, quarters, source, sign, out)
+    for i in range(1, state_size(n)):
+        for j in range(1, state_size(n)):
+            if i != j and source[i] == source[j]:
+                out.cov[i, i] += APART * cov[source[i], source[i]]
+                break
 
 
 @njit

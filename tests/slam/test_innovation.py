@@ -5,7 +5,6 @@ import pytest
 
 from slam.edge_form import state_size
 from slam.innovation import (
-    Workspace,
     condition,
     correspond,
     innovate,
@@ -31,7 +30,7 @@ def pair(seed: int, n: int) -> tuple[np.record, np.record, np.ndarray]:
     return sense(lines, naive.random_covariance(rng, size, 0.1)), m, m.cov[:size, :size].copy()
 
 
-def rows_of(z: np.record, m: np.record, offset: int = 0, pose: np.ndarray = POSE) -> tuple[int, float, Workspace]:
+def rows_of(z: np.record, m: np.record, offset: int = 0, pose: np.ndarray = POSE) -> tuple[int, float, np.record]:
     work = workspace()
     rows, violation = correspond(z, m, offset, pose, SLACK, work, np.inf)
     return rows, violation, work
@@ -67,7 +66,7 @@ def test_jacobian_is_that_of_finite_differences(n: int) -> None:
     np.testing.assert_allclose(by_state, jacobian[:, 3:], atol=1e-8)
 
 
-def linear_model(z: np.record, m: np.record, rows: int, work: Workspace) -> tuple[np.ndarray, ...]:
+def linear_model(z: np.record, m: np.record, rows: int, work: np.record) -> tuple[np.ndarray, ...]:
     """H of the pose, H of the region and R of the measurement, as matrices."""
     size = state_size(m.n)
     h = np.zeros((rows, size))
