@@ -144,7 +144,11 @@ def fuse(z: Record, m: Record, offset: int, pose: Array, work: Record) -> None:
     rows, _ = match_edges(z, m, offset, c, s, pu, pv, pose[2], slack, work, np.inf)
     straighten(z, rows, work)
     innovate(z, m, rows, work.certain, work)
-    condition(m.state, m.cov, state_size(m.n), rows, work)
+    size = state_size(m.n)
+    for r in range(rows):
+        for b in range(size):
+            work.gain[r, b] = m.cov[work.im[r], b] + work.lever[r] * m.cov[0, b]
+    condition(m.state, m.cov, size, rows, work)
     m.state[0] = wrap(m.state[0])
     keep_order(m, LEAST_SIZE * work.tolerance)
     m.radius = bounding_radius(m)

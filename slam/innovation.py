@@ -33,20 +33,20 @@ WORKSPACE = np.dtype(
     (
         np.record,
         [
-            ("iz", np.uint8, (MAX_STATE,)),  # (rows,) index in z; unsigned, it needs no look whether it counts from the end
-            ("im", np.uint8, (MAX_STATE,)),  # (rows,) index in m
             ("residual", np.float64, (MAX_STATE,)),  # (rows,) becomes L^-1 r
             ("lever", np.float64, (MAX_STATE,)),  # (rows,) d rho / d phi
             ("normal", np.float64, (MAX_STATE, 3)),  # (rows, 3) d rho / d pose
+            ("by_pose", np.float64, (MAX_STATE, 3)),  # (rows, 3) H P of the pose
             ("cov", np.float64, (MAX_STATE, MAX_STATE)),  # (rows, rows) innovation covariance, becomes its factor L
-            ("least", np.float64, (MAX_STATE,)),  # (rows,) of the pivots of S
+            ("inverse", np.float64, (MAX_STATE,)),  # (rows,) reciprocal pivots
             ("scale", np.float64, (MAX_STATE,)),  # (rows,) reciprocal diagonal of L
             ("gain", np.float64, (MAX_STATE, MAX_STATE)),  # (rows, states) H C, becomes L^-1 H C
-            ("by_pose", np.float64, (MAX_STATE, 3)),  # (rows, 3) H P of the pose
             ("certain", np.float64, (3, 3)),  # covariance of a drawn pose: zero
-            ("regions", REGION, (2,)),
-            ("figures", MEASUREMENT, (2,)),
             ("tolerance", np.float64),  # how far a bound may be off, m
+            ("figures", MEASUREMENT, (2,)),
+            ("regions", REGION, (2,)),
+            ("iz", np.uint8, (MAX_STATE,)),  # (rows,) index in z; being unsigned, it never counts from the end
+            ("im", np.uint8, (MAX_STATE,)),  # (rows,) index in m
         ],
     )
 )
@@ -211,53 +211,55 @@ def innovate(z: Record, m: Record, rows: int, pose_cov: Array, work: Record) -> 
 
 @njit
 def innovation_covariance(z: Record, m: Record, rows: int, pose_cov: Array, work: Record) -> None:
-    """Write the lower half of S = H_x P H_x^T + H_m C H_m^T + R, and on the way H_m C and H_x P.
+    """Write the lower half of S = H_x P H_x^T + H_m C H_m^T + R, and on the way H_x P.
 
     With the joint covariances of pose, mapped region and measurement.
     """
-    gain, by_pose, normal = work.gain, work.by_pose, work.normal
-    size = state_size(m.n)
+    iz, im, levers, normal = work.iz, work.im, work.lever, work.normal
     for i in range(rows):
-        lever, mi, zi = work.lever[i], work.im[i], work.iz[i]
-        for b in range(size):
-            gain[i, b] = m.cov[mi, b] + lever * m.cov[0, b]
-        for b in range(3):
-            by_pose[i, b] = (
-                normal[i, 0] * pose_cov[0, b] + normal[i, 1] * pose_cov[1, b] + normal[i, 2] * pose_cov[2, b]
-            )
-        with_phi, t0, t1, t2 = gain[i, 0], by_pose[i, 0], by_pose[i, 1], by_pose[i, 2]
+        n0, n1, n2 = normal[i, 0], normal[i, 1], normal[i, 2]
+        t0 = n0 * pose_cov[0, 0] + n1 * pose_cov[1, 0] + n2 * pose_cov[2, 0]
+        t1 = n0 * pose_cov[0, 1] + n1 * pose_cov[1, 1] + n2 * pose_cov[2, 1]
+        t2 = n0 * pose_cov[0, 2] + n1 * pose_cov[1, 2] + n2 * pose_cov[2, 2]
+        work.by_pose[i, 0], work.by_pose[i, 1], work.by_pose[i, 2] = t0, t1, t2
+        lever, mi, zi = levers[i], im[i], iz[i]
+        with_phi = m.cov[mi, 0] + lever * m.cov[0, 0]
         for j in range(i + 1):
-            known = gain[i, work.im[j]] + work.lever[j] * with_phi
+            mj = im[j]
+            known = m.cov[mi, mj] + lever * m.cov[0, mj] + levers[j] * with_phi
             seen_from = t0 * normal[j, 0] + t1 * normal[j, 1] + t2 * normal[j, 2]
-            work.cov[i, j] = z.cov[zi, work.iz[j]] + known + seen_from
+            work.cov[i, j] = z.cov[zi, iz[j]] + known + seen_from
 
 
 @njit
 def whiten(rows: int, work: Record) -> Any:
-    """Replace S by its Cholesky factor and the residual r by y = L^-1 r; return (y . y, log det S).
+    """Replace S by its Cholesky factor L and the residual r by y = L^-1 r; return (y . y, log det S).
 
-    Column by column, so that only one division waits for the one before it.
+    By way of S = U D U^T with ones on the diagonal of U (its transpose is left above L): one division a row and no
+    root is waited for.
     """
-    cov, residual = work.cov, work.residual
+    cov, residual, inverse, scale = work.cov, work.residual, work.inverse, work.scale
     distance, determinant = 0.0, 1.0
-    for k in range(rows):
-        work.least[k] = 1e-12 * cov[k, k]
-    for k in range(rows):
-        pivot = max(cov[k, k], work.least[k])
-        inverse = 1.0 / pivot
+    for i in range(rows):
+        pivot, y = cov[i, i], residual[i]
+        least = 1e-12 * pivot
+        for j in range(i):
+            total = cov[i, j]
+            for k in range(j):
+                total -= cov[i, k] * cov[k, j]
+            unit = total * inverse[j]
+            cov[i, j], cov[j, i] = total, unit
+            pivot -= total * unit
+            y -= unit * residual[j]
+        pivot = max(pivot, least)
+        cov[i, i], inverse[i], residual[i] = pivot, 1.0 / pivot, y
         determinant *= pivot
-        distance += residual[k] * residual[k] * inverse
-        for i in range(k + 1, rows):
-            share = cov[i, k] * inverse
-            for j in range(k + 1, i + 1):
-                cov[i, j] -= share * cov[j, k]
-            residual[i] -= share * residual[k]
-        scale = np.sqrt(inverse)
-        work.scale[k] = scale
-        residual[k] *= scale
-        cov[k, k] = pivot * scale
-        for i in range(k + 1, rows):
-            cov[i, k] *= scale
+    for i in range(rows):
+        scale[i] = np.sqrt(inverse[i])
+        residual[i] *= scale[i]
+        distance += residual[i] * residual[i]
+        for j in range(i + 1):
+            cov[i, j] *= scale[j]
     return distance, np.log(determinant)
 
 
