@@ -16,7 +16,7 @@ from slam.comparison import CANDIDATE, box, compare, compare_in
 from slam.edge_form import state_size
 from slam.extent import area
 from slam.innovation import frame_of, n_closed, workspaces
-from slam.jit import Array, Record, njit
+from slam.jit import Array, Record, lean, njit
 from slam.maps import region_of
 from slam.semantic_update import SAME_PLACE
 
@@ -117,7 +117,7 @@ def associate(
                     break
 
 
-@njit
+@lean
 def look_at(pool: Array, record: int, particle: Record, out: Record) -> None:
     """Write what data association asks of a region again and again into `out`, a `NEIGHBOUR`."""
     m = pool[record]
@@ -126,7 +126,7 @@ def look_at(pool: Array, record: int, particle: Record, out: Record) -> None:
     out.c, out.s, out.u, out.v = frame_of(m, particle.pose)
 
 
-@njit
+@lean
 def keep(candidates: Array, first: int, n: int, candidate: Record) -> Any:
     """Add a candidate to those of its measurement, `candidates[first:n]`; return their new end.
 
@@ -144,13 +144,13 @@ def keep(candidates: Array, first: int, n: int, candidate: Record) -> Any:
     return n
 
 
-@njit
+@lean
 def can_be_born(z: Record, p: Record) -> bool:
     """Say whether a measurement shows enough of a place to begin a region: two closed edges, or a large area."""
     return n_closed(z) >= 3 or area(z) >= (LARGE_VIEW * p.sensor_range) ** 2
 
 
-@njit
+@lean
 def is_misnamed(
     descriptions: Record, m: Record, particle: Record, p: Record, work: Record, turned: Record, candidate: Record
 ) -> bool:
@@ -171,7 +171,7 @@ def is_misnamed(
     return compare(descriptions, m, particle, p, work, turned, candidate) and candidate.distance < SAME_PLACE
 
 
-@njit
+@lean
 def is_closed(region: Record) -> bool:
     """Say whether all edges of a region were seen."""
     return n_closed(region) == state_size(region.n)
@@ -192,7 +192,7 @@ def bounding_circles(measured: Array) -> Any:
     return circles
 
 
-@njit
+@lean
 def are_alike(a: float, b: float) -> bool:
     """Say whether two areas are near enough for two types to be taken for one another."""
     return a < ALIKE * b and b < ALIKE * a

@@ -21,7 +21,7 @@ from slam.innovation import (
     match_edges,
     midpoint_distance,
 )
-from slam.jit import Array, Record, njit
+from slam.jit import Array, Record, lean
 from slam.region import b_index, u_index
 from slam.turning import turn
 
@@ -49,7 +49,7 @@ NONE = -9
 """No offset."""
 
 
-@njit
+@lean
 def compare(
     descriptions: Record, m: Record, particle: Record, p: Record, work: Record, turned: Record, out: Record
 ) -> bool:
@@ -57,7 +57,7 @@ def compare(
     return compare_in(frame_of(m, particle.pose), descriptions, m, particle, p, work, turned, out)
 
 
-@njit
+@lean
 def compare_in(
     frame: Any,
     descriptions: Record,
@@ -84,7 +84,7 @@ def compare_in(
     return compare_rows(descriptions, m, quarters, particle, p, work, turned, out)
 
 
-@njit
+@lean
 def compare_rows(
     descriptions: Record,
     m: Record,
@@ -119,7 +119,7 @@ def compare_rows(
     return best > -np.inf
 
 
-@njit
+@lean
 def share_centre(z: Record, m: Record, particle: Record, p: Record) -> bool:
     """Say whether the centre of the box around z or m lies in the box around the other, give or take where z is."""
     margin = DRIFT * np.sqrt(p.tolerance**2 + particle.cov[0, 0] + particle.cov[1, 1])
@@ -139,7 +139,7 @@ def share_centre(z: Record, m: Record, particle: Record, p: Record) -> bool:
     return zu0 - margin < u < zu1 + margin and zv0 - margin < v < zv1 + margin
 
 
-@njit
+@lean
 def box(region: Record) -> Any:
     """Return the box around a row in its own axes: the least and greatest u, the least and greatest v, m."""
     v0, v1 = region.state[b_index(0)], region.state[b_index(0) + 1]
@@ -148,7 +148,7 @@ def box(region: Record) -> Any:
     return region.state[u_index(0)], region.state[u_index(region.n)], v0, v1
 
 
-@njit
+@lean
 def align(
     z: Record,
     m: Record,
@@ -187,7 +187,7 @@ def align(
     return best
 
 
-@njit
+@lean
 def score(z: Record, m: Record, rows: int, violation: float, pose_cov: Array, p: Record, work: Record) -> Any:
     """Return the log likelihood of an alignment and its squared distance, the violation of bounds included."""
     distance, log_det = innovate(z, m, rows, pose_cov, work)
@@ -195,7 +195,7 @@ def score(z: Record, m: Record, rows: int, violation: float, pose_cov: Array, p:
     return log_likelihood(distance, log_det, rows, p.log_reference), distance
 
 
-@njit
+@lean
 def nearest_alignment(z: Record, m: Record, pose: Array) -> int:
     """Return the admissible offset with the least distance of two midpoints, section II-C of the paper."""
     chosen, nearest = NONE, np.inf

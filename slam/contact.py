@@ -10,14 +10,14 @@ from typing import Any
 import numpy as np
 
 from slam.extent import point_in_rectangle, to_row
-from slam.jit import Record, njit
+from slam.jit import Record, lean
 from slam.region import b_index, u_index
 
 REACH = 3.0
 """Regions nearer than this touch, in tolerances of the filter: walls are as thick, and measurements as noisy."""
 
 
-@njit
+@lean
 def contact(a: Record, b: Record, tolerance: float) -> Any:
     """Return the point (x, y) on the outer edges of row a at which it touches row b, both in edge form in one frame.
 
@@ -47,7 +47,7 @@ def contact(a: Record, b: Record, tolerance: float) -> Any:
     return from_row(a, u, v)
 
 
-@njit
+@lean
 def clip(b: Record, j: int, reach: float, u: float, v: float, du: float, dv: float) -> Any:
     """Return the shares [first, last] of a segment from (u, v), in b's axes, within `reach` (m) of its rectangle j."""
     k = b_index(j)
@@ -66,7 +66,7 @@ def clip(b: Record, j: int, reach: float, u: float, v: float, du: float, dv: flo
     return (first, last) if last > first else (0.0, 0.0)
 
 
-@njit
+@lean
 def nearest_edge(m: Record, x: float, y: float) -> Any:
     """Return the outer edge nearest to a point of the map frame, by its place in the state vector, and where (x, y)."""
     u, v = to_row(m, x, y)
@@ -75,7 +75,7 @@ def nearest_edge(m: Record, x: float, y: float) -> Any:
     return found, at_x, at_y
 
 
-@njit
+@lean
 def nearest_side(m: Record, u: float, v: float) -> Any:
     """Return the outer edge nearest to a point in the row's axes, and where in these axes."""
     best, found, at_u, at_v = np.inf, 0, u, v
@@ -91,13 +91,13 @@ def nearest_side(m: Record, u: float, v: float) -> Any:
     return found, at_u, at_v
 
 
-@njit
+@lean
 def is_outer(m: Record, i: int, side: int) -> bool:
     """Say whether a side of rectangle i (0 bottom, 1 top, 2 left, 3 right) is no joint with another rectangle."""
     return side < 2 or (side == 2 and i == 0) or (side == 3 and i == m.n - 1)
 
 
-@njit
+@lean
 def ends(m: Record, i: int, side: int) -> Any:
     """Return the ends (u0, v0, u1, v1) of a side of rectangle i in the row's axes, both ascending."""
     k = b_index(i)
@@ -109,7 +109,7 @@ def ends(m: Record, i: int, side: int) -> Any:
     return u, v0, u, v1
 
 
-@njit
+@lean
 def from_row(m: Record, u: float, v: float) -> Any:
     """Return a point of the row's axes in the map frame."""
     c, s = np.cos(m.state[0]), np.sin(m.state[0])

@@ -11,7 +11,7 @@ from slam.extent import area, contains, overlap, point_in_rectangle
 from slam.geometric_update import fuse_as_set
 from slam.growth import take_row
 from slam.innovation import n_closed, workspaces
-from slam.jit import Array, Record, njit
+from slam.jit import Array, Record, lean, njit
 from slam.maps import cover, drop, own, region_of
 from slam.particles import PARTICLE
 from slam.region import MAX_STATE, REGION
@@ -75,7 +75,7 @@ def find_twins(
     return twins[:n]
 
 
-@njit
+@lean
 def settle_rivals(maps: Record, particle: int, near: Array, n_near: Array, p: Record) -> None:
     """Settle the rivalries of all regions nearby."""
     for j in range(n_near[particle]):
@@ -84,7 +84,7 @@ def settle_rivals(maps: Record, particle: int, near: Array, n_near: Array, p: Re
             settle_rivalry(maps, particle, slot, p)
 
 
-@njit
+@lean
 def settle_rivalry(maps: Record, particle: int, slot: int, p: Record) -> None:
     """Free a hypothesis whose rival is gone or has lost its lead."""
     m = region_of(maps, particle, slot)
@@ -97,13 +97,13 @@ def settle_rivalry(maps: Record, particle: int, slot: int, p: Record) -> None:
         own(maps, particle, slot).rival = -1
 
 
-@njit
+@lean
 def margin_of(p: Record) -> float:
     """Return how far apart two estimates of one place may be beyond its bounds, m."""
     return min(MARGIN * p.tolerance, LARGEST_MARGIN * p.sensor_range)
 
 
-@njit
+@lean
 def share_place(a: Record, b: Record, margin: float) -> Any:
     """Say whether the centre of either main rectangle lies in the other region, give or take `margin` m."""
     dx, dy = a.anchor[0] - b.anchor[0], a.anchor[1] - b.anchor[1]
@@ -117,13 +117,13 @@ def share_place(a: Record, b: Record, margin: float) -> Any:
     return contains(a, x, y, margin)
 
 
-@njit
+@lean
 def are_rivals(a: Record, b: Record, margin: float) -> bool:
     """Say whether two regions are hypotheses for one place: two types, alike in size, around each other."""
     return a.type != b.type and coincide(a, b, margin)
 
 
-@njit
+@lean
 def coincide(a: Record, b: Record, margin: float) -> bool:
     """Say whether two regions are alike in size, each around the other's centre."""
     size_a, size_b = area(a), area(b)
@@ -134,7 +134,7 @@ def coincide(a: Record, b: Record, margin: float) -> bool:
     return contains(b, xa, ya, margin) and contains(a, xb, yb, margin)
 
 
-@njit
+@lean
 def leads(a: Record, b: Record, p: Record) -> bool:
     """Say whether a is more credible than b: confirmed before tentative, then by log-odds, then by sightings."""
     a_confirmed, b_confirmed = a.sightings >= p.confirmed_after, b.sightings >= p.confirmed_after
@@ -145,7 +145,7 @@ def leads(a: Record, b: Record, p: Record) -> bool:
     return a.sightings > b.sightings
 
 
-@njit
+@lean
 def rank(maps: Record, particle: int, first: int, second: int, p: Record) -> None:
     """Mark the less credible of two hypotheses for one place as outdone by the other."""
     ahead = leads(region_of(maps, particle, first), region_of(maps, particle, second), p)
@@ -156,7 +156,7 @@ def rank(maps: Record, particle: int, first: int, second: int, p: Record) -> Non
         own(maps, particle, better).rival = -1
 
 
-@njit
+@lean
 def are_twins(a: Record, b: Record, margin: float) -> bool:
     """Say whether two regions of one type take the same place, which no two real ones do.
 
@@ -165,7 +165,7 @@ def are_twins(a: Record, b: Record, margin: float) -> bool:
     return coincide(a, b, margin) or overlap(a, b) > TWIN_OVERLAP * min(area(a), area(b))
 
 
-@njit
+@lean
 def merge(
     younger: Record, older: Record, p: Record, work: Array, descriptions: Array, candidate: Record, stand: Array
 ) -> None:
@@ -186,7 +186,7 @@ def merge(
     inherit(younger, older)
 
 
-@njit
+@lean
 def agree(
     younger: Record, older: Record, p: Record, work: Array, descriptions: Array, candidate: Record, stand: Array
 ) -> bool:
@@ -204,14 +204,14 @@ def agree(
     return alike and candidate.distance < p.gate_associate
 
 
-@njit
+@lean
 def inherit(younger: Record, older: Record) -> None:
     """Give the older of two twins what is true of the younger in any case."""
     older.last_seen = max(older.last_seen, younger.last_seen)
     older.visited = max(older.visited, younger.visited)
 
 
-@njit
+@lean
 def join(younger: Record, older: Record) -> None:
     """Count the sightings and the evidence of two twins that agree together."""
     older.sightings += younger.sightings
@@ -220,14 +220,14 @@ def join(younger: Record, older: Record) -> None:
         older.type_log_odds, older.type_prior = younger.type_log_odds, younger.type_prior
 
 
-@njit
+@lean
 def supplant(younger: Record, older: Record) -> None:
     """Let only the sightings and the evidence of the younger count."""
     older.sightings, older.existence = younger.sightings, younger.existence
     older.type_log_odds, older.type_prior = younger.type_log_odds, younger.type_prior
 
 
-@njit
+@lean
 def outranks(a: Record, b: Record, p: Record) -> bool:
     """Say whether a, and not b, is there: it is confirmed, has more edges, was seen more often or, if neither, last."""
     if min(a.sightings, b.sightings) < p.confirmed_after:

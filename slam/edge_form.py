@@ -15,14 +15,14 @@ from typing import Any
 
 import numpy as np
 
-from slam.jit import Array, Record, njit
+from slam.jit import Array, Record, lean, njit
 from slam.region import MAX_STATE, REGION, b_index, u_index
 
 FLAT_VARIANCE = 1e6
 """Variance of an edge about which nothing is known but a bound, in variances with which it is measured."""
 
 
-@njit
+@lean
 def state_size(n: int) -> Any:
     """Return the length of the state vector of n rectangles."""
     return 2 + 3 * n
@@ -74,7 +74,7 @@ def to_edge_form(z: Record, out: Record) -> None:
     out.radius = bounding_radius(out)
 
 
-@njit
+@lean
 def _covariance(z: Record, jacobian: Array, size: int, cov: Array) -> None:
     """Write G Q G^T, with Q the block-diagonal covariance of the paper's parameters; the last row of G is scratch."""
     product = len(jacobian) - 1  # row i of G Q
@@ -100,7 +100,7 @@ def _covariance(z: Record, jacobian: Array, size: int, cov: Array) -> None:
             cov[i, j] = cov[j, i] = total
 
 
-@njit
+@lean
 def bounding_radius(region: Record) -> Any:
     """Return the radius (m) of a circle about the anchor that holds the whole row."""
     along = max(abs(region.state[u_index(0)]), abs(region.state[u_index(region.n)]))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from slam.extent import contains, point_in_rectangle
-from slam.jit import Array, Record, njit
+from slam.jit import Array, Record, lean
 from slam.maps import drop, own, region_of
 from slam.semantic_update import SAME_PLACE
 from slam.view import is_in_view
@@ -23,7 +23,7 @@ VIEW_MARGIN = 3.0
 """Points nearer to the end of the view, in tolerances, do not count as seen."""
 
 
-@njit
+@lean
 def update_existence(
     particles: Array,
     maps: Record,
@@ -68,7 +68,7 @@ def update_existence(
                 drop(maps, i, slot)
 
 
-@njit
+@lean
 def mark_explained(explained: Array, candidates: Array, associations: Array) -> None:
     """Set `explained` (S,) to 1 for every region of a particle that a measurement is of, or may be of.
 
@@ -83,7 +83,7 @@ def mark_explained(explained: Array, candidates: Array, associations: Array) -> 
             explained[pair.slot] = 1
 
 
-@njit
+@lean
 def is_expected(m: Record, pose: Array, view: Array, p: Record) -> bool:
     """Say whether a sensor at `pose` with this view should have measured the region."""
     c, s = np.cos(pose[2]), np.sin(pose[2])

@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from slam.jit import Array, Record, njit
+from slam.jit import Array, Record, lean, njit
 from slam.overlap import rows_overlap
 from slam.region import b_index, u_index
 from slam.rows import MAX_RECTANGLES
 
 
-@njit
+@lean
 def to_row(region: Record, x: float, y: float) -> Any:
     """Return a point of the map frame in the row's frame."""
     c, s = np.cos(region.state[0]), np.sin(region.state[0])
@@ -21,7 +21,7 @@ def to_row(region: Record, x: float, y: float) -> Any:
     return c * dx + s * dy, -s * dx + c * dy
 
 
-@njit
+@lean
 def contains(region: Record, x: float, y: float, margin: float) -> bool:
     """Say whether a point of the map frame lies in the row grown by `margin` m."""
     u, v = to_row(region, x, y)
@@ -35,7 +35,7 @@ def contains(region: Record, x: float, y: float, margin: float) -> bool:
     return False
 
 
-@njit
+@lean
 def area(region: Record) -> Any:
     """Return the area, m²."""
     total = 0.0
@@ -66,7 +66,7 @@ def edges_of(region: Record) -> Any:
     return u, b, t
 
 
-@njit
+@lean
 def point_in_rectangle(region: Record, i: int, along: float, across: float) -> Any:
     """Return the point of the map frame at shares (along, across) in [0, 1] of rectangle i."""
     k = b_index(i)
@@ -76,7 +76,7 @@ def point_in_rectangle(region: Record, i: int, along: float, across: float) -> A
     return region.anchor[0] + c * u - s * v, region.anchor[1] + s * u + c * v
 
 
-@njit
+@lean
 def probability_inside(region: Record, pose: Array, cov: Array) -> Any:
     """Return P(robot in region) for a Gaussian pose with mean (3,) and covariance (3, 3), edges taken at their means.
 

@@ -14,7 +14,7 @@ from slam.association import NEW
 from slam.edge_form import FLAT_VARIANCE, bounding_radius, state_size
 from slam.growth import LEAST_SIZE, forget_edge, grow, keep_order, outward_of, take_row
 from slam.innovation import condition, frame_of, innovate, match_edges, workspaces, wrap
-from slam.jit import Array, Record, njit
+from slam.jit import Array, Record, lean, njit
 from slam.maps import add, cover, new_slot, own
 from slam.measurement import MAX_MEASUREMENTS
 from slam.paper_update import fuse_parameters
@@ -74,7 +74,7 @@ def update_geometry(
                 n_near[i] += 1
 
 
-@njit
+@lean
 def begin(maps: Record, particle: int, born: Array, j: int, z: Record, pose: Array, scan_number: int, p: Record) -> int:
     """Add the region that measurement j of this scan begins to a particle's map; return its slot.
 
@@ -126,7 +126,7 @@ def start(z: Record, pose: Array, m: Record, p: Record) -> None:
     m.rival = -1
 
 
-@njit
+@lean
 def fuse_as_set(z: Record, m: Record, offset: int, pose: Array, work: Record, p: Record) -> None:
     """Update region m with row z by the chosen model; the arguments are those of `fuse`."""
     if p.paper_update:
@@ -135,7 +135,7 @@ def fuse_as_set(z: Record, m: Record, offset: int, pose: Array, work: Record, p:
         fuse(z, m, offset, pose, work)
 
 
-@njit
+@lean
 def fuse(z: Record, m: Record, offset: int, pose: Array, work: Record) -> None:
     """Update region m with row z, seen from a certain pose with rectangle j of z being rectangle j + offset of m."""
     offset = grow(z, m, offset)
@@ -154,7 +154,7 @@ def fuse(z: Record, m: Record, offset: int, pose: Array, work: Record) -> None:
     m.radius = bounding_radius(m)
 
 
-@njit
+@lean
 def straighten(z: Record, rows: int, work: Record) -> None:
     """Take the curvature out of the residuals: what the lever of phi leaves of a turn about the robot.
 
@@ -174,7 +174,7 @@ def straighten(z: Record, rows: int, work: Record) -> None:
             work.residual[r] += mid_v * bend + mid_u * twist
 
 
-@njit
+@lean
 def settle_open_edges(z: Record, m: Record, offset: int, pu: float, pv: float, slack: float) -> None:
     """Push the open edges of m out to z, and open a flat prior for those that z has closed.
 
@@ -190,7 +190,7 @@ def settle_open_edges(z: Record, m: Record, offset: int, pu: float, pv: float, s
             settle(z, m, b_index(k - offset) + top, b_index(k) + top, pv, 2 * top - 1, slack)
 
 
-@njit
+@lean
 def settle(z: Record, m: Record, i: int, j: int, shift: float, outward: int, slack: float) -> None:
     """Settle one edge: j of m, i of z."""
     measured = z.state[i] - shift

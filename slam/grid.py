@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from slam.jit import Array, Record, njit
+from slam.jit import Array, Record, lean, njit
 
 CELL = 8.0
 """Width of the smallest cells, in the unit of length; it decides on speed alone."""
@@ -35,13 +35,13 @@ SLOT = np.dtype(
 """A region's place in all maps and in the grid."""
 
 
-@njit
+@lean
 def bucket_of(layer: int, column: int, row: int, n_buckets: int) -> Any:
     """Return the bucket of a cell; `n_buckets` is a power of two."""
     return (column * 73856093 ^ row * 19349663 ^ layer * 83492791) & (n_buckets - 1)
 
 
-@njit
+@lean
 def enter(slots: Array, buckets: Array, slot: int, n_layers: Array) -> None:
     """Put a slot's circle into its cell; `n_layers[0]` counts the layers in use."""
     place = slots[slot]
@@ -56,7 +56,7 @@ def enter(slots: Array, buckets: Array, slot: int, n_layers: Array) -> None:
     buckets[bucket] = slot
 
 
-@njit
+@lean
 def leave(slots: Array, buckets: Array, slot: int) -> None:
     """Take a slot's circle out of its cell."""
     place = slots[slot]
@@ -117,7 +117,7 @@ def search_all(slots: Array, x: float, y: float, radius: float) -> Any:
     return found[:n]
 
 
-@njit
+@lean
 def touches(place: Record, layer: int, column: int, row: int, x: float, y: float, radius: float) -> bool:
     """Say whether a circle lies in a cell (others share its bucket) and touches the circle about (x, y)."""
     if place.layer != layer or place.column != column or place.row != row:
@@ -125,7 +125,7 @@ def touches(place: Record, layer: int, column: int, row: int, x: float, y: float
     return meets(place, x, y, radius)
 
 
-@njit
+@lean
 def meets(place: Record, x: float, y: float, radius: float) -> bool:
     """Say whether a slot's circle touches the circle about (x, y)."""
     dx, dy, reach = place.x - x, place.y - y, place.radius + radius

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from slam.edge_form import FLAT_VARIANCE
-from slam.jit import Record, njit
+from slam.jit import Record, lean, njit
 from slam.region import b_index, u_index
 
 LEAST_SIZE = 0.1
@@ -25,7 +25,7 @@ def take_row(source: Record, m: Record) -> None:
     m.contrary[:] = source.contrary
 
 
-@njit
+@lean
 def outward_of(m: Record, k: int) -> Any:
     """Return the outward direction (-1 or 1) of an outer edge by its place k in the state vector."""
     if k == u_index(m.n):
@@ -33,7 +33,7 @@ def outward_of(m: Record, k: int) -> Any:
     return 1 if k > 2 and k % 3 == 1 else -1
 
 
-@njit
+@lean
 def grow(z: Record, m: Record, offset: int) -> Any:
     """Give m the rectangles that only z has; return the new offset. The middle one of three becomes the main one."""
     while offset < 0:
@@ -47,7 +47,7 @@ def grow(z: Record, m: Record, offset: int) -> Any:
     return offset
 
 
-@njit
+@lean
 def shift_right(m: Record) -> None:
     """Make room for a rectangle at the left end of a row: every edge moves up by one rectangle."""
     for k in range(m.n, -1, -1):
@@ -60,7 +60,7 @@ def shift_right(m: Record) -> None:
     bare_rectangle(m, 0, u_index(0), u_index(1))
 
 
-@njit
+@lean
 def bare_rectangle(m: Record, i: int, end: Record, joint: Record) -> None:
     """Make rectangle i one of which nothing is known but the joint: bounds that any view pushes out."""
     for k in (end, b_index(i), b_index(i) + 1):
@@ -69,7 +69,7 @@ def bare_rectangle(m: Record, i: int, end: Record, joint: Record) -> None:
     m.state[b_index(i)], m.state[b_index(i) + 1] = np.inf, -np.inf
 
 
-@njit
+@lean
 def move_state(m: Record, source: Record, target: int) -> None:
     """Move one entry of the state with its row and column of the covariance."""
     m.state[target], m.closed[target], m.contrary[target] = m.state[source], m.closed[source], m.contrary[source]
@@ -82,7 +82,7 @@ def move_state(m: Record, source: Record, target: int) -> None:
     m.cov[target, target] = variance
 
 
-@njit
+@lean
 def forget_edge(m: Record, k: int, variance: float) -> None:
     """Make an edge open and independent of everything else, with a variance that should be flat."""
     m.closed[k] = m.contrary[k] = 0
@@ -91,7 +91,7 @@ def forget_edge(m: Record, k: int, variance: float) -> None:
     m.cov[k, k] = variance
 
 
-@njit
+@lean
 def keep_order(m: Record, least: float) -> None:
     """Keep edges from crossing, `least` m apart: open ones give way, and closed ones, as noise can swap them."""
     for k in range(m.n):

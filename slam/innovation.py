@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from slam.edge_form import state_size
-from slam.jit import Array, Record, njit
+from slam.jit import Array, Record, lean, njit
 from slam.measurement import MEASUREMENT
 from slam.region import MAX_STATE, REGION, b_index, u_index
 
@@ -68,7 +68,7 @@ def workspace(tolerance: float = 0.1) -> Any:
     return work[0]
 
 
-@njit
+@lean
 def wrap(angle: float) -> Any:
     """Return the angle in [-pi, pi)."""
     if -np.pi <= angle < np.pi:
@@ -76,7 +76,7 @@ def wrap(angle: float) -> Any:
     return (angle + np.pi) % (2 * np.pi) - np.pi
 
 
-@njit
+@lean
 def is_admissible(z: Record, m: Record, offset: int) -> Any:
     """Say whether rectangle j of z can be rectangle j + offset of m (section II-C).
 
@@ -92,7 +92,7 @@ def is_admissible(z: Record, m: Record, offset: int) -> Any:
     return not ((nz + offset < nm and z_right) or (nz + offset > nm and m_right))
 
 
-@njit
+@lean
 def correspond(z: Record, m: Record, offset: int, pose: Array, slack: float, work: Record, early_exit: float) -> Any:
     """Fill the rows of all edges that are closed in both; return their number and the squared violation of bounds.
 
@@ -103,7 +103,7 @@ def correspond(z: Record, m: Record, offset: int, pose: Array, slack: float, wor
     return match_edges(z, m, offset, c, s, pu, pv, pose[2], slack, work, early_exit)
 
 
-@njit
+@lean
 def frame_of(m: Record, pose: Array) -> Any:
     """Return cos and sin of a mapped row's heading, and its anchor as seen from a pose along its axes."""
     c, s = np.cos(m.state[0]), np.sin(m.state[0])
@@ -111,7 +111,7 @@ def frame_of(m: Record, pose: Array) -> Any:
     return c, s, c * dx + s * dy, -s * dx + c * dy
 
 
-@njit
+@lean
 def match_edges(
     z: Record,
     m: Record,
@@ -164,7 +164,7 @@ def match_edges(
     return rows, violation
 
 
-@njit
+@lean
 def _apart(z: Record, m: Record, i0: int, i1: int, j0: int, j1: int, shift: float, slack: float, drift: float) -> float:
     """Return what it costs that two rectangles hardly overlap along an axis: two glimpses in one line are two regions.
 
@@ -180,7 +180,7 @@ def _apart(z: Record, m: Record, i0: int, i1: int, j0: int, j1: int, shift: floa
     return overlap * overlap / (2 * slack) if overlap < 0.0 else 0.0
 
 
-@njit
+@lean
 def _outward(z: Record, m: Record, k: int, offset: int) -> Any:
     """Return the outward direction (-1 or 1) of a boundary that is open in z or m."""
     open_in_z = z.closed[u_index(k - offset)] == 0
@@ -189,7 +189,7 @@ def _outward(z: Record, m: Record, k: int, offset: int) -> Any:
     return -1 if k == 0 else 1
 
 
-@njit
+@lean
 def _beyond(z: Record, m: Record, i: int, j: int, r: float, outward: int, slack: float) -> Any:
     """Return the squared, normalised distance by which an open edge reaches beyond the other's closed one."""
     if z.closed[i] == m.closed[j]:
@@ -202,14 +202,14 @@ def _beyond(z: Record, m: Record, i: int, j: int, r: float, outward: int, slack:
     return excess * excess / (known + bound + slack)
 
 
-@njit
+@lean
 def innovate(z: Record, m: Record, rows: int, pose_cov: Array, work: Record) -> Any:
     """Turn the rows into a whitened innovation: S = L L^T, y = L^-1 r; return (y . y, log det S)."""
     innovation_covariance(z, m, rows, pose_cov, work)
     return whiten(rows, work)
 
 
-@njit
+@lean
 def innovation_covariance(z: Record, m: Record, rows: int, pose_cov: Array, work: Record) -> None:
     """Write the lower half of S = H_x P H_x^T + H_m C H_m^T + R, and on the way H_x P.
 
@@ -231,7 +231,7 @@ def innovation_covariance(z: Record, m: Record, rows: int, pose_cov: Array, work
             work.cov[i, j] = z.cov[zi, iz[j]] + known + seen_from
 
 
-@njit
+@lean
 def whiten(rows: int, work: Record) -> Any:
     """Replace S by its Cholesky factor L and the residual r by y = L^-1 r; return (y . y, log det S).
 
@@ -263,7 +263,7 @@ def whiten(rows: int, work: Record) -> Any:
     return distance, np.log(determinant)
 
 
-@njit
+@lean
 def condition(mean: Array, cov: Array, size: int, rows: int, work: Record) -> None:
     """Kalman update of a Gaussian in place, `work.gain[:rows, :size]` holding H C: eqs. (3)–(6) by Cholesky factors."""
     gain = work.gain
@@ -283,7 +283,7 @@ def condition(mean: Array, cov: Array, size: int, rows: int, work: Record) -> No
             cov[a, b] = cov[b, a] = total
 
 
-@njit
+@lean
 def n_closed(region: Record) -> Any:
     """Return the number of rows a region's measurement could give at most: its heading and closed edges."""
     total = 0
@@ -292,7 +292,7 @@ def n_closed(region: Record) -> Any:
     return total
 
 
-@njit
+@lean
 def log_likelihood(distance: float, log_det: float, rows: int, log_reference: float) -> Any:
     """Return log N(r; 0, S) over the reference density of the same rows: the heading and `rows` - 1 edges.
 
@@ -302,7 +302,7 @@ def log_likelihood(distance: float, log_det: float, rows: int, log_reference: fl
     return density - LOG_REFERENCE_HEADING - (rows - 1) * log_reference
 
 
-@njit
+@lean
 def midpoint_distance(z: Record, m: Record, offset: int, pose: Array) -> float:
     """Return the least distance (m) of the midpoints of two rectangles that correspond: the paper's own criterion.
 

@@ -1,4 +1,4 @@
-"""The one compiling decorator of the project.
+"""The compiling decorators of the project.
 
 Numba notices a change of the decorated file only: a kernel that inlined a helper from *another* file keeps running its
 stale machine code. The cache of every kernel therefore lives in a folder named after the sources of all kernels and of
@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import numba
+from numba.core.options import DefaultOptions
 from numpy.typing import NDArray
 
 Array = NDArray[Any]
@@ -34,11 +35,26 @@ def njit(function: F) -> F:
 
     Random numbers never come from inside a kernel (Numba's generator is not seeded by NumPy): hand them in.
     """
+    return _compiled(function, counts_references=True)
+
+
+def lean(function: F) -> F:
+    """Do what `njit` does for a function that makes no array, without counting references.
+
+    Otherwise every call counts each array that it is handed up and down again, one after the other, and a tuple of
+    arrays takes longer to count than a small kernel to run. What makes an array or returns a new one doesn't compile so.
+    """
+    return _compiled(function, counts_references=False)
+
+
+def _compiled(function: F, counts_references: bool) -> F:
+    # Where it is not told, Numba takes the option from whichever function calls this one first.
+    options = {"_nrt": counts_references} if hasattr(DefaultOptions, "_nrt") else {}
     package = function.__module__.partition(".")[0]
     before = numba.config.CACHE_DIR
     numba.config.CACHE_DIR = str(cache_folder(package))
     try:
-        return numba.njit(cache=True, error_model="numpy")(function)
+        return numba.njit(cache=True, error_model="numpy", **options)(function)
     finally:
         numba.config.CACHE_DIR = before
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from slam.existence import is_expected, mark_explained
-from slam.jit import Array, Record, njit
+from slam.jit import Array, Record, lean
 from slam.maps import region_of
 
 FOUND = float(np.log(0.2 / 0.7))
@@ -28,7 +28,7 @@ LOST = 10.0
 """Sum of log-likelihood ratios from which the filter is lost."""
 
 
-@njit
+@lean
 def contradiction(
     particles: Array,
     maps: Record,
@@ -60,7 +60,7 @@ def contradiction(
     return max(least, -MOST)
 
 
-@njit
+@lean
 def count_found(maps: Record, particle: int, associations: Array, p: Record) -> Any:
     """Return how many confirmed regions the scan measures."""
     found = 0
@@ -70,7 +70,7 @@ def count_found(maps: Record, particle: int, associations: Array, p: Record) -> 
     return found
 
 
-@njit
+@lean
 def count_missing(
     robot: Record,
     maps: Record,

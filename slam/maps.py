@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from slam.grid import enter, leave
-from slam.jit import Array, Record, njit
+from slam.jit import Array, Record, lean, njit
 
 LINK_BELIEF = np.dtype(
     (
@@ -52,13 +52,13 @@ class Maps(NamedTuple):
     counts: np.ndarray  # (6,) int64
 
 
-@njit
+@lean
 def region_of(maps: Record, particle: int, slot: int) -> Any:
     """Return the record of a region that a particle knows, for reading."""
     return maps.pool[maps.table[particle, slot]]
 
 
-@njit
+@lean
 def own(maps: Record, particle: int, slot: int) -> Any:
     """Return the record of a region that a particle knows, for writing: its own, copied if it was shared."""
     record = maps.table[particle, slot]
@@ -72,7 +72,7 @@ def own(maps: Record, particle: int, slot: int) -> Any:
     return maps.pool[record]
 
 
-@njit
+@lean
 def add(maps: Record, particle: int, slot: int) -> Any:
     """Return a new record, to be filled, for a region that a particle has not known."""
     record = _new_record(maps)
@@ -82,7 +82,7 @@ def add(maps: Record, particle: int, slot: int) -> Any:
     return maps.pool[record]
 
 
-@njit
+@lean
 def drop(maps: Record, particle: int, slot: int) -> None:
     """Let a particle forget a region."""
     record = maps.table[particle, slot]
@@ -99,7 +99,7 @@ def drop(maps: Record, particle: int, slot: int) -> None:
         maps.counts[FREE_SLOTS] += 1
 
 
-@njit
+@lean
 def new_slot(maps: Record, region_id: int) -> Any:
     """Return a free slot, now that of a region that no particle holds yet; the caller has made room."""
     if maps.counts[FREE_SLOTS] > 0:
@@ -112,7 +112,7 @@ def new_slot(maps: Record, region_id: int) -> Any:
     return slot
 
 
-@njit
+@lean
 def cover(maps: Record, slot: int, m: Record) -> None:
     """See to it that the slot's circle in the grid covers a particle's region."""
     place = maps.slots[slot]
@@ -121,7 +121,7 @@ def cover(maps: Record, slot: int, m: Record) -> None:
         widen(maps, slot, m)
 
 
-@njit
+@lean
 def widen(maps: Record, slot: int, m: Record) -> None:
     """Let a slot's circle grow to cover a region; the first one makes it."""
     place = maps.slots[slot]
@@ -134,7 +134,7 @@ def widen(maps: Record, slot: int, m: Record) -> None:
     enter(maps.slots, maps.buckets, slot, maps.counts[LAYERS:])
 
 
-@njit
+@lean
 def add_link(maps: Record, m: Record) -> Any:
     """Return a new link of a region that the caller owns, to be filled, at the head of its list."""
     index = maps.counts[FIRST_FREE_LINK]
@@ -147,13 +147,13 @@ def add_link(maps: Record, m: Record) -> Any:
     return link
 
 
-@njit
+@lean
 def is_current(maps: Record, particle: int, link: Record) -> bool:
     """Say whether a link leads to a region that the particle still knows."""
     return maps.table[particle, link.target] >= 0 and maps.slots[link.target].id == link.target_id
 
 
-@njit
+@lean
 def drop_stale_links(maps: Record, particle: int, m: Record) -> None:
     """Free the links of a region, owned by the particle, that lead nowhere any more."""
     previous, index = -1, m.first_link
@@ -171,7 +171,7 @@ def drop_stale_links(maps: Record, particle: int, m: Record) -> None:
         index = following
 
 
-@njit
+@lean
 def _new_record(maps: Record) -> Any:
     maps.counts[FREE_RECORDS] -= 1
     record = maps.free_records[maps.counts[FREE_RECORDS]]
@@ -180,7 +180,7 @@ def _new_record(maps: Record) -> Any:
     return record
 
 
-@njit
+@lean
 def _copy_links(maps: Record, source: int) -> Any:
     """Copy a list of links, in order; return its head."""
     head, tail = -1, -1
@@ -199,7 +199,7 @@ def _copy_links(maps: Record, source: int) -> Any:
     return head
 
 
-@njit
+@lean
 def _free_links(maps: Record, record: int) -> None:
     index = maps.pool[record].first_link
     while index >= 0:
@@ -208,7 +208,7 @@ def _free_links(maps: Record, record: int) -> None:
         index = following
 
 
-@njit
+@lean
 def _free_link(maps: Record, index: int) -> None:
     maps.links[index].next = maps.counts[FIRST_FREE_LINK]
     maps.counts[FIRST_FREE_LINK] = index
@@ -235,7 +235,7 @@ def gather(particles: Array, maps: Record, ancestors: Array) -> None:
             _share(maps, source, target)
 
 
-@njit
+@lean
 def _share(maps: Record, source: int, target: int) -> None:
     """Give one particle's map to another, which forgets its own."""
     for slot in range(maps.counts[USED_SLOTS]):

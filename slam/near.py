@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from slam.grid import search
-from slam.jit import Array, Record, njit
+from slam.jit import Array, Record, lean, njit
 from slam.maps import ADJACENT, INSIDE, LAYERS
 
 LEEWAY = 1 / 4
@@ -48,13 +48,13 @@ def find_near(particles: Array, maps: Record, measured: Array, level: int, senso
     return near, n_near
 
 
-@njit
+@lean
 def uncertainty(particle: Record) -> float:
     """Return five standard deviations of a particle's position since its last draw, m."""
     return 5.0 * np.sqrt(particle.cov[0, 0] + particle.cov[1, 1])
 
 
-@njit
+@lean
 def count_links(relations: Array) -> int:
     """Return how many links a scan can begin (`topology_update.update_topology`)."""
     count = 0
@@ -65,7 +65,7 @@ def count_links(relations: Array) -> int:
     return count
 
 
-@njit
+@lean
 def demand(maps: Record, near: Array, n_near: Array, relations: Array) -> Any:
     """Return how many records and links an update can take at most: copies of what is shared, and all that is new."""
     n, new_links = len(relations), count_links(relations)

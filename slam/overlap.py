@@ -11,11 +11,11 @@ from __future__ import annotations
 
 import math
 
-from slam.jit import njit
+from slam.jit import lean
 from slam.rows import Floats, Row
 
 
-@njit
+@lean
 def rows_overlap(
     ax: float,
     ay: float,
@@ -57,7 +57,7 @@ def rows_overlap(
     return area
 
 
-@njit
+@lean
 def box_overlap(
     u0: float, u1: float, b: float, t: float, x: float, y: float, c: float, s: float, half_w: float, half_h: float
 ) -> float:
@@ -74,7 +74,7 @@ def box_overlap(
     return max(0.0, -area)  # counter-clockwise corners run forward below and backward above
 
 
-@njit
+@lean
 def _under(x0: float, y0: float, x1: float, y1: float, u0: float, u1: float, b: float, t: float) -> float:
     """Return the integral of ``clamp(y, b, t) - b`` over dx along a segment, as far as x lies within [u0, u1]."""
     start, end = min(max(x0, u0), u1), min(max(x1, u0), u1)
@@ -103,7 +103,7 @@ def _under(x0: float, y0: float, x1: float, y1: float, u0: float, u1: float, b: 
     return (end - start) * mean / 2
 
 
-@njit
+@lean
 def row_area(u: Floats, b: Floats, t: Floats, n: int) -> float:
     """Return the area (m²) of a row."""
     area = 0.0
@@ -112,7 +112,7 @@ def row_area(u: Floats, b: Floats, t: Floats, n: int) -> float:
     return area
 
 
-@njit
+@lean
 def row_contains(x: float, y: float, phi: float, u: Floats, b: Floats, t: Floats, n: int, px: float, py: float) -> bool:
     """Return whether the point (px, py) lies in one of a row's rectangles."""
     c, s = math.cos(phi), math.sin(phi)

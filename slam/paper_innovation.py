@@ -12,11 +12,11 @@ from typing import Any
 import numpy as np
 
 from slam.innovation import innovate, innovation_covariance, whiten
-from slam.jit import Array, Record, njit
+from slam.jit import Array, Record, lean, njit
 from slam.region import is_u
 
 
-@njit
+@lean
 def innovate_as_set(z: Record, m: Record, rows: int, pose_cov: Array, work: Record, p: Record) -> Any:
     """Whiten the innovation of the chosen model; return its number of rows, y . y and log det S."""
     if p.paper_update:

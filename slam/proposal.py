@@ -10,13 +10,13 @@ from __future__ import annotations
 import numpy as np
 
 from slam.innovation import condition, correspond, log_likelihood, workspaces, wrap
-from slam.jit import Array, Record, njit
+from slam.jit import Array, Record, lean, njit
 from slam.maps import region_of
 from slam.paper_innovation import innovate_as_set
 from slam.turning import turn
 
 
-@njit
+@lean
 def predict(
     particles: Array,
     distance: float,
@@ -85,7 +85,7 @@ def propose(particles: Array, maps: Record, measured: Array, associations: Array
                 particle.spread[a, b] = particle.cov[a, b]
 
 
-@njit
+@lean
 def draw(particles: Array, normals: Array) -> None:
     """Draw every pose from its proposal with standard normal numbers, shape (P, 3); the pose is certain afterwards.
 
@@ -110,7 +110,7 @@ def draw(particles: Array, normals: Array) -> None:
         cov[:] = 0.0
 
 
-@njit
+@lean
 def place(particles: Array, pose: Array) -> None:
     """Put every particle at a pose known for certain."""
     for i in range(len(particles)):

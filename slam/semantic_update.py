@@ -9,7 +9,7 @@ import numpy as np
 from slam.edge_form import state_size
 from slam.extent import area
 from slam.innovation import n_closed
-from slam.jit import Array, Record, njit
+from slam.jit import Array, Record, lean, njit
 from slam.maps import own, region_of
 from slam.region import b_index, u_index
 from slam.turning import turn
@@ -73,7 +73,7 @@ def update_semantics(
                 believe(own(maps, i, slot), p_supp, p_opp, priors)
 
 
-@njit
+@lean
 def believe(m: Record, p_supp: float, p_opp: float, priors: Record) -> None:
     """Apply eq. (13) to a region.
 
@@ -88,7 +88,7 @@ def believe(m: Record, p_supp: float, p_opp: float, priors: Record) -> None:
     m.type_prior = prior
 
 
-@njit
+@lean
 def begin_types(maps: Record, measured: Array, associations: Array, priors: Record) -> None:
     """Begin the belief in the types of all regions that this scan has begun."""
     for i in range(len(associations)):
@@ -98,14 +98,14 @@ def begin_types(maps: Record, measured: Array, associations: Array, priors: Reco
                 be_born(own(maps, i, slot), measured[z, 0].confidence, priors)
 
 
-@njit
+@lean
 def be_born(m: Record, confidence: float, priors: Record) -> None:
     """Give a new region its prior and the support of its first measurement, which it covers."""
     m.type_log_odds = m.type_prior = prior_log_odds(m, priors)
     believe(m, confidence, 0.5, priors)
 
 
-@njit
+@lean
 def prior_log_odds(m: Record, priors: Record) -> Any:
     """Return the log-odds of p(m), the prior of a region of this type and these dimensions."""
     types = priors.types
@@ -118,13 +118,13 @@ def prior_log_odds(m: Record, priors: Record) -> Any:
     return inside
 
 
-@njit
+@lean
 def is_whole(m: Record) -> bool:
     """Say whether all edges of a region were seen."""
     return n_closed(m) == state_size(m.n)
 
 
-@njit
+@lean
 def covered_share(z: Record, m: Record, offset: int, pose: Array) -> Any:
     """Return overlap(z, m), eq. (11): the share of z's area inside m, along m's axes; and that area, m².
 
@@ -153,7 +153,7 @@ def covered_share(z: Record, m: Record, offset: int, pose: Array) -> Any:
     return (min(covered / z_area, 1.0) if z_area > 0.0 else 0.0), covered
 
 
-@njit
+@lean
 def _limit(z: Record, m: Record, i: int, j: int, outward: int) -> Any:
     """Return how far m may reach at its edge j when edge i of z is as uncertain as it says."""
     if not m.closed[j]:

@@ -9,7 +9,7 @@ import numpy as np
 from slam.association import bounding_circles
 from slam.contact import contact, nearest_edge
 from slam.extent import area
-from slam.jit import Array, Record, njit
+from slam.jit import Array, Record, lean, njit
 from slam.maps import ADJACENT, INSIDE, add_link, drop_stale_links, own, region_of
 from slam.overlap import rows_overlap
 from slam.region import b_index, u_index
@@ -25,7 +25,7 @@ LEAST = 0.01
 """Probabilities are clamped to [LEAST, 1 - LEAST] before log-odds are taken."""
 
 
-@njit
+@lean
 def logit(probability: float) -> Any:
     """Return the log-odds of a clamped probability."""
     clamped = min(max(probability, LEAST), 1 - LEAST)
@@ -82,14 +82,14 @@ def shared_areas(measured: Array) -> Any:
     return shared, size
 
 
-@njit
+@lean
 def known_log_odds(probability: float) -> Any:
     """Return log-odds that are not mistaken for nothing: one half is evidence, too."""
     log_odds = logit(probability)
     return log_odds if log_odds != 0.0 else 1e-12
 
 
-@njit
+@lean
 def gain(kind: int, evidence: float, first_type: int, second_type: int, priors: Record) -> Any:
     """Return what a scan that measured both regions adds to the log-odds of a link, eqs. (14), (16), (17).
 
@@ -103,7 +103,7 @@ def gain(kind: int, evidence: float, first_type: int, second_type: int, priors: 
     return evidence - prior if priors.literal else evidence
 
 
-@njit
+@lean
 def prior_of(kind: int, first_type: int, second_type: int, priors: Record) -> Any:
     """Return the prior log-odds of a link between regions of two types, p(m -> n) or p(m < n)."""
     table = priors.links if kind == ADJACENT else priors.children
@@ -154,13 +154,13 @@ def update_topology(
                 measured_as[associations[i, z].slot] = -1
 
 
-@njit
+@lean
 def begins_link(evidence: float, kind: int) -> bool:
     """Say whether what was measured of two regions is enough to remember a link: a containment must be likely."""
     return evidence > 0.0 or (kind == ADJACENT and evidence != 0.0)
 
 
-@njit
+@lean
 def locate(relations: Array, x0: float, y0: float, c: float, s: float, places: Array) -> None:
     """Write the contacts of one measurement's links in the map frame, (M, 2), from (x0, y0) and heading (c, s)."""
     for i in range(len(relations)):
@@ -169,7 +169,7 @@ def locate(relations: Array, x0: float, y0: float, c: float, s: float, places: A
             places[i, 0], places[i, 1] = x0 + c * x - s * y, y0 + s * x + c * y
 
 
-@njit
+@lean
 def revise(
     maps: Record,
     particle: int,
@@ -190,7 +190,7 @@ def revise(
             value = relations[other, link.kind]
             if link.kind == ADJACENT and value != 0.0:
                 if is_at(m, link.place, places[other], SAME_CONTACT * p.tolerance):
-                    link.place[:] = places[other]
+                    link.place[0], link.place[1] = places[other, 0], places[other, 1]
                 else:
                     value = 0.0  # it was measured at another edge
             if value != 0.0:
@@ -200,7 +200,7 @@ def revise(
         index = link.next
 
 
-@njit
+@lean
 def is_at(m: Record, place: Array, other: Array, nearness: float) -> bool:
     """Say whether two contacts are the same or lie at one edge of a region."""
     if (place[0] - other[0]) ** 2 + (place[1] - other[1]) ** 2 < nearness**2:
@@ -208,13 +208,13 @@ def is_at(m: Record, place: Array, other: Array, nearness: float) -> bool:
     return nearest_edge(m, place[0], place[1])[0] == nearest_edge(m, other[0], other[1])[0]
 
 
-@njit
+@lean
 def remember(
     maps: Record, m: Record, target: int, second_type: int, kind: int, evidence: float, place: Array, priors: Record
 ) -> None:
     """Add a link: its prior and its first evidence."""
     link = add_link(maps, m)
     link.target, link.target_id, link.kind = target, maps.slots[target].id, kind
-    link.place[:] = place
+    link.place[0], link.place[1] = place[0], place[1]
     first = prior_of(kind, m.type, second_type, priors) + gain(kind, evidence, m.type, second_type, priors)
     link.log_odds = min(max(first, -LIMIT), LIMIT)

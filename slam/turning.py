@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from slam.edge_form import state_size, to_edge_form
-from slam.jit import Array, Record, njit
+from slam.jit import Array, Record, lean, njit
 from slam.region import MAX_STATE, b_index, u_index
 from slam.rows import MAX_RECTANGLES
 
@@ -55,7 +55,7 @@ def _turns() -> tuple[NDArray[np.uint8], NDArray[np.float64]]:
 SOURCE, SIGN = _turns()
 
 
-@njit
+@lean
 def turn(region: Record, quarters: int, out: Record) -> None:
     """Write the equivalent description that is turned by `quarters` times 90 degrees; ``out.n = 0`` if there is none.
 
@@ -87,7 +87,7 @@ def turn_across(region: Record, quarters: int, out: Record) -> None:
                 break
 
 
-@njit
+@lean
 def write(
     region: Record,
     mean: Array,
@@ -186,7 +186,7 @@ def group_lines(region: Record, group: Array, leader: Array) -> int:
     return lines
 
 
-@njit
+@lean
 def can_coincide(region: Record, i: int, j: int) -> bool:
     """Say whether two edges can be on one line, given their uncertainty.
 
@@ -221,7 +221,7 @@ def make_equal(mean: Array, cov: Array, size: int, i: int, j: int) -> None:
             cov[k, a] -= gain[k] * gain[a] * variance
 
 
-@njit
+@lean
 def observe(records: Array, type_numbers: Array, out: Record) -> None:
     """Write every measurement in its equivalent descriptions, `out` (M, 4) of `REGION`: quarter turns in order.
 

@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from slam.jit import Array, njit
+from slam.jit import Array, lean
 
 
-@njit
+@lean
 def is_in_view(view: Array, x: float, y: float, margin: float) -> bool:
     """Say whether a point (robot frame, m) lies inside the view, at least `margin` m before its end along the ray.
 
@@ -42,7 +42,7 @@ def is_in_view(view: Array, x: float, y: float, margin: float) -> bool:
     return ex * (y * scale - view[a, 1]) - ey * (x * scale - view[a, 0]) >= 0.0
 
 
-@njit
+@lean
 def diamond(x: float, y: float) -> Any:
     """Return a number in [0, 4) that grows with the angle of a vector, without trigonometry."""
     total = abs(x) + abs(y)

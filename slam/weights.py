@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from slam.jit import Array, njit
+from slam.jit import Array, lean, njit
 
 
-@njit
+@lean
 def normalise(particles: Array) -> Any:
     """Normalise the log weights in place and return the effective sample size 1 / sum(w²)."""
     largest = -np.inf
