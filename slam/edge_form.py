@@ -31,6 +31,15 @@ def state_size(n: int) -> Any:
 @njit
 def to_edge_form(z: Record, out: Record) -> None:
     """Write a `MEASUREMENT` into a `REGION` in edge form, anchored at the robot."""
+    write_edge_form(z, out, np.empty((MAX_STATE + 1, MAX_STATE)))
+
+
+@lean
+def write_edge_form(z: Record, out: Record, jacobian: Array) -> None:
+    """Do what `to_edge_form` says.
+
+    The columns of `jacobian` are x, y, w, h, phi, then w, h, y of each subrectangle; its last row is scratch.
+    """
     c, s = np.cos(z.phi), np.sin(z.phi)
     mid_u, mid_v = z.x * c + z.y * s, -z.x * s + z.y * c
     n, main = z.n, z.main
@@ -38,7 +47,9 @@ def to_edge_form(z: Record, out: Record) -> None:
     out.n, out.main, out.type, out.confidence = n, main, z.type, z.confidence
     out.anchor[0] = out.anchor[1] = 0.0
     mean, closed = out.state, out.closed
-    jacobian = np.zeros((MAX_STATE + 1, MAX_STATE))  # columns: x, y, w, h, phi, then w, h, y of each subrectangle
+    for i in range(size):
+        for k in range(size):
+            jacobian[i, k] = 0.0
     mean[0], closed[0], jacobian[0, 4] = z.phi, 1, 1.0
     for side in range(2):
         k = u_index(main + side)
@@ -59,7 +70,8 @@ def to_edge_form(z: Record, out: Record) -> None:
         k = u_index(sub + side)
         outward = 2.0 * side - 1.0
         mean[k] = mean[inner] + outward * z.sub_w[side]
-        jacobian[k, :5] = jacobian[inner, :5]
+        for i in range(5):
+            jacobian[k, i] = jacobian[inner, i]
         jacobian[k, column] = outward
         closed[k] = z.edges[6 + 3 * side] != 0
         for top in range(2):
@@ -76,8 +88,8 @@ def to_edge_form(z: Record, out: Record) -> None:
 
 @lean
 def _covariance(z: Record, jacobian: Array, size: int, cov: Array) -> None:
-    """Write G Q G^T, with Q the block-diagonal covariance of the paper's parameters; the last row of G is scratch."""
-    product = len(jacobian) - 1  # row i of G Q
+    """Write G Q G^T, with Q the block-diagonal covariance of the paper's parameters."""
+    product = MAX_STATE  # row i of G Q
     for i in range(size):
         jacobian[product, 0] = jacobian[i, 0] * z.cov_xy[0, 0] + jacobian[i, 1] * z.cov_xy[1, 0]
         jacobian[product, 1] = jacobian[i, 0] * z.cov_xy[0, 1] + jacobian[i, 1] * z.cov_xy[1, 1]

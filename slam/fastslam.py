@@ -28,7 +28,6 @@ from slam.region import REGION
 from slam.relocalisation import Search
 from slam.rows import Floats
 from slam.sampled import SampledPosterior
-from slam.scan_update import Seen, look_up
 from slam.turning import observe
 from slam.weights import normalise
 
@@ -60,7 +59,6 @@ class RegionSLAM:
 
     def __init__(self, config: SlamConfig | None = None, seed: int | np.random.Generator | None = None) -> None:
         self.config = config or SlamConfig()
-        self._parameters = tuple(self.config.parameters())  # Numba unpacks a plain tuple five times faster
         self._rng = np.random.default_rng(seed)
         self.reset()
 
@@ -161,18 +159,9 @@ class RegionSLAM:
         posterior = self._posterior
         posterior.resample()  # of the last scan: until now the belief was that of its weighted particles
         self._scan_number += 1
-        seen = Seen(
-            *look_up(
-                posterior.cloud.particles,
-                tuple(posterior.cloud.maps),
-                scan.records,
-                self._type_numbers(scan.types),
-                scan.links,
-                scan.level,
-                self._parameters,
-            )
+        doubt = posterior.update(
+            scan, self._type_numbers(scan.types), _view_of(scan), self._scan_number, watchful
         )
-        doubt = posterior.update(seen, _view_of(scan), self._scan_number, watchful)
         self._doubt = max(self._doubt + doubt, 0.0)
         return self.relocalise() if self._doubt > LOST else self.belief
 

@@ -13,7 +13,7 @@ import numpy as np
 from slam.association import NEW
 from slam.edge_form import FLAT_VARIANCE, bounding_radius, state_size
 from slam.growth import LEAST_SIZE, forget_edge, grow, keep_order, outward_of, take_row
-from slam.innovation import condition, frame_of, innovate, match_edges, workspaces, wrap
+from slam.innovation import condition, frame_of, innovation_covariance, match_edges, whiten, workspaces, wrap
 from slam.jit import Array, Record, lean, njit
 from slam.maps import add, cover, new_slot, own
 from slam.measurement import MAX_MEASUREMENTS
@@ -143,7 +143,8 @@ def fuse(z: Record, m: Record, offset: int, pose: Array, work: Record) -> None:
     settle_open_edges(z, m, offset, pu, pv, slack)
     rows, _ = match_edges(z, m, offset, c, s, pu, pv, pose[2], slack, work, np.inf)
     straighten(z, rows, work)
-    innovate(z, m, rows, work.certain, work)
+    innovation_covariance(z, m, rows, work.certain, work)
+    whiten(rows, work)
     size = state_size(m.n)
     for r in range(rows):
         for b in range(size):

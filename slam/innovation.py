@@ -206,7 +206,8 @@ def _beyond(z: Record, m: Record, i: int, j: int, r: float, outward: int, slack:
 def innovate(z: Record, m: Record, rows: int, pose_cov: Array, work: Record) -> Any:
     """Turn the rows into a whitened innovation: S = L L^T, y = L^-1 r; return (y . y, log det S)."""
     innovation_covariance(z, m, rows, pose_cov, work)
-    return whiten(rows, work)
+    distance, determinant = whiten(rows, work)
+    return distance, np.log(determinant)
 
 
 @lean
@@ -233,7 +234,7 @@ def innovation_covariance(z: Record, m: Record, rows: int, pose_cov: Array, work
 
 @lean
 def whiten(rows: int, work: Record) -> Any:
-    """Replace S by its Cholesky factor L and the residual r by y = L^-1 r; return (y . y, log det S).
+    """Replace S by its Cholesky factor L and the residual r by y = L^-1 r; return (y . y, det S).
 
     By way of S = U D U^T with ones on the diagonal of U (its transpose is left above L): one division a row and no
     root is waited for.
@@ -260,7 +261,7 @@ def whiten(rows: int, work: Record) -> Any:
         distance += residual[i] * residual[i]
         for j in range(i + 1):
             cov[i, j] *= scale[j]
-    return distance, np.log(determinant)
+    return distance, determinant
 
 
 @lean

@@ -26,12 +26,13 @@ from slam.joint_gaussian import POSE, JointGaussian, move, place_pose
 from slam.joint_geometry import explain, forget_absent, merge_twins, mirror, see_from_pose
 from slam.joint_update import Rows, condition
 from slam.maps import FREE_LINKS, USED_SLOTS
+from slam.measurement import Scan
 from slam.motion import MotionNoise
 from slam.near import count_links
 from slam.particles import ParticleSet
 from slam.region import MAX_STATE
 from slam.rows import Floats
-from slam.scan_update import Seen
+from slam.scan_update import look_up
 from slam.semantic_update import begin_types, update_semantics
 from slam.topology_update import update_topology
 from slam.weights import normalise
@@ -111,10 +112,12 @@ class JointPosterior:
             place_pose(joint, pose)
         self._report()
 
-    def update(self, seen: Seen, view: Array, scan_number: int, watchful: bool) -> float:
-        """Take one scan through all hypotheses; return 0: they do not watch out for contradictions."""
+    def update(self, scan: Scan, types: Array, view: Array, scan_number: int, watchful: bool) -> float:
+        """Take one scan, its types numbered, through all hypotheses; return 0: they do not watch out for contradictions."""
         cloud, p = self.cloud, self._parameters
-        measured, relations, near, n_near, _ = seen
+        measured, relations, near, n_near, _ = look_up(
+            cloud.particles, tuple(cloud.maps), scan.records, types, scan.links, scan.level, p
+        )
         self._make_room(measured, relations)
         for i, joint in enumerate(self.gaussians):
             see_from_pose(joint, cloud.maps, i, near[i], n_near[i])

@@ -53,6 +53,15 @@ class Maps(NamedTuple):
 
 
 @lean
+def has_room(maps: Record, slots: int, records: int, links: int) -> bool:
+    """Say whether so many more slots, records and links are free."""
+    counts = maps.counts
+    if counts[FREE_RECORDS] < records or counts[FREE_LINKS] < links:
+        return False
+    return len(maps.slots) - counts[USED_SLOTS] + counts[FREE_SLOTS] >= slots
+
+
+@lean
 def region_of(maps: Record, particle: int, slot: int) -> Any:
     """Return the record of a region that a particle knows, for reading."""
     return maps.pool[maps.table[particle, slot]]
@@ -61,15 +70,9 @@ def region_of(maps: Record, particle: int, slot: int) -> Any:
 @lean
 def own(maps: Record, particle: int, slot: int) -> Any:
     """Return the record of a region that a particle knows, for writing: its own, copied if it was shared."""
-    record = maps.table[particle, slot]
-    if maps.holders[record] > 1:
-        maps.holders[record] -= 1
-        copy = _new_record(maps)
-        maps.pool[copy] = maps.pool[record]
-        maps.pool[copy].first_link = _copy_links(maps, maps.pool[record].first_link)
-        maps.table[particle, slot] = copy
-        record = copy
-    return maps.pool[record]
+    if maps.holders[maps.table[particle, slot]] > 1:
+        _part(maps, particle, slot)
+    return maps.pool[maps.table[particle, slot]]
 
 
 @lean
@@ -169,6 +172,17 @@ def drop_stale_links(maps: Record, particle: int, m: Record) -> None:
             _free_link(maps, index)
             m.n_links -= 1
         index = following
+
+
+@lean
+def _part(maps: Record, particle: int, slot: int) -> None:
+    """Give a particle a copy of a record that it shares."""
+    record = maps.table[particle, slot]
+    maps.holders[record] -= 1
+    copy = _new_record(maps)
+    maps.pool[copy] = maps.pool[record]
+    maps.pool[copy].first_link = _copy_links(maps, maps.pool[record].first_link)
+    maps.table[particle, slot] = copy
 
 
 @lean

@@ -22,7 +22,8 @@ def innovate_as_set(z: Record, m: Record, rows: int, pose_cov: Array, work: Reco
     if p.paper_update:
         innovation_covariance(z, m, rows, pose_cov, work)
         rows = average(z, rows, work)
-        distance, log_det = whiten(rows, work)
+        distance, determinant = whiten(rows, work)
+        log_det = np.log(determinant)
     else:
         distance, log_det = innovate(z, m, rows, pose_cov, work)
     return rows, distance, log_det

@@ -10,12 +10,13 @@ from numpy.typing import NDArray
 
 from slam.config import SlamConfig
 from slam.jit import Array
+from slam.measurement import Scan
 from slam.motion import MotionNoise
 from slam.particles import ParticleSet
 from slam.proposal import place, predict
 from slam.resampling import SCHEMES
 from slam.rows import Floats
-from slam.scan_update import Seen, resample, update_particles
+from slam.scan_update import resample, update_particles
 
 
 class SampledPosterior:
@@ -75,28 +76,30 @@ class SampledPosterior:
         """Put every particle at a pose (x, y, theta) known for certain."""
         place(self.cloud.particles, pose)
 
-    def update(self, seen: Seen, view: Array, scan_number: int, watchful: bool) -> float:
-        """Take one scan through all particles; return how much it contradicts their maps (`slam.lost`)."""
-        measured, relations, near, n_near, (records, links) = seen
+    def update(self, scan: Scan, types: Array, view: Array, scan_number: int, watchful: bool) -> float:
+        """Take one scan, its types numbered, through all particles; return how much it contradicts their maps."""
         cloud = self.cloud
-        cloud.make_room(slots=len(measured), records=records, links=links)
         normals = self._rng.standard_normal((len(cloud.particles), 3))
         if scan_number <= self._drawn_after:
             normals[:] = 0.0
-        self.ess, doubt = update_particles(
-            cloud.particles,
-            tuple(cloud.maps),
-            measured,
-            relations,
-            near,
-            n_near,
-            view,
-            normals,
-            scan_number,
-            watchful,
-            self._parameters,
-            self._priors,
-        )
+        self.ess = 0.0
+        while self.ess == 0.0:
+            self.ess, doubt, (records, links) = update_particles(
+                cloud.particles,
+                tuple(cloud.maps),
+                scan.records,
+                types,
+                scan.links,
+                scan.level,
+                view,
+                normals,
+                scan_number,
+                watchful,
+                self._parameters,
+                self._priors,
+            )
+            if self.ess == 0.0:
+                cloud.make_room(slots=len(scan), records=records, links=links)
         return doubt
 
     def restart(self, found: np.record) -> None:

@@ -14,7 +14,7 @@ from slam.existence import update_existence
 from slam.geometric_update import update_geometry
 from slam.jit import Array, njit
 from slam.lost import contradiction
-from slam.maps import Maps, gather
+from slam.maps import Maps, gather, has_room
 from slam.near import demand, find_near
 from slam.priors import Priors
 from slam.proposal import draw, propose
@@ -62,22 +62,33 @@ def look_up(
 def update_particles(
     particles: Array,
     arrays: tuple[Any, ...],
-    measured: Array,
-    relations: Array,
-    near: Array,
-    n_near: Array,
+    records: Array,
+    type_numbers: Array,
+    measured_links: Array,
+    level: int,
     view: Array,
     normals: Array,
     scan_number: int,
     watchful: bool,
     parameters: tuple[Any, ...],
     prior_arrays: tuple[Any, ...],
-) -> tuple[float, float]:
-    """Take one scan through the filter, section III of the paper; return the effective sample size and `contradiction`.
+) -> tuple[float, float, tuple[int, int]]:
+    """Take one scan through the filter, section III of the paper.
 
-    Where the filter is `watchful`, a scan that contradicts the map is not written to it.
+    Where the filter is `watchful`, a scan that contradicts the map is not written to it. Where the arrays have no room
+    for all that the scan may add, nothing is changed.
+
+    Returns
+    -------
+    tuple
+        The effective sample size, 0 where there was no room; the `contradiction`; `Seen.demand`.
     """
-    n, maps, p, priors = len(measured), Maps(*arrays), Parameters(*parameters), Priors(*prior_arrays)
+    measured, relations, near, n_near, room = look_up(
+        particles, arrays, records, type_numbers, measured_links, level, parameters
+    )
+    n, maps, p, priors = len(records), Maps(*arrays), Parameters(*parameters), Priors(*prior_arrays)
+    if not has_room(maps, n, room[0], room[1]):
+        return 0.0, 0.0, room
     associations = np.empty((len(particles), n), ASSOCIATION)
     candidates = np.empty((len(particles), n * CANDIDATES_PER_MEASUREMENT), CANDIDATE)
     n_candidates = np.zeros(len(particles), np.int64)
@@ -89,14 +100,14 @@ def update_particles(
     if watchful:
         doubt = contradiction(particles, maps, near, n_near, associations, candidates, n_candidates, view, p)
     if doubt > 0.0:
-        return normalise(particles), doubt
+        return normalise(particles), doubt, room
     update_semantics(particles, maps, near, n_near, measured, candidates, n_candidates, p, priors)
     update_geometry(particles, maps, near, n_near, measured, associations, scan_number, p)
     begin_types(maps, measured, associations, priors)
     update_topology(particles, maps, associations, relations, p, priors)
     update_existence(particles, maps, near, n_near, associations, candidates, n_candidates, view, p)
     resolve_duplicates(maps, near, n_near, associations, scan_number, p)
-    return normalise(particles), doubt
+    return normalise(particles), doubt, room
 
 
 @njit

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from slam.edge_form import state_size, to_edge_form
+from slam.edge_form import state_size, write_edge_form
 from slam.jit import Array, Record, lean, njit
 from slam.region import MAX_STATE, b_index, u_index
 from slam.rows import MAX_RECTANGLES
@@ -221,14 +221,15 @@ def make_equal(mean: Array, cov: Array, size: int, i: int, j: int) -> None:
             cov[k, a] -= gain[k] * gain[a] * variance
 
 
-@lean
+@njit
 def observe(records: Array, type_numbers: Array, out: Record) -> None:
     """Write every measurement in its equivalent descriptions, `out` (M, 4) of `REGION`: quarter turns in order.
 
     `type_numbers` translates the scan's types into the filter's.
     """
+    jacobian = np.empty((MAX_STATE + 1, MAX_STATE))
     for i in range(len(records)):
-        to_edge_form(records[i], out[i, 0])
+        write_edge_form(records[i], out[i, 0], jacobian)
         out[i, 0].type = type_numbers[records[i].type]
         for quarters in range(1, 4):
             turn(out[i, 0], quarters, out[i, quarters])
