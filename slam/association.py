@@ -99,9 +99,7 @@ def associate(
             for j in range(n_near[i]):
                 other = around[j]
                 dx, dy, reach = other.x - x, other.y - y, other.radius + widest
-                if dx * dx + dy * dy > reach * reach or (
-                    type_number != other.type and not are_alike(size, other.area)
-                ):
+                if dx * dx + dy * dy > reach * reach or (type_number != other.type and not are_alike(size, other.area)):
                     continue
                 frame, m = (other.c, other.s, other.u, other.v), pool[other.record]
                 if compare_in(frame, descriptions, m, particles[i], p, work[0], turned[0], found[0]):

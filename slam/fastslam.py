@@ -159,9 +159,7 @@ class RegionSLAM:
         posterior = self._posterior
         posterior.resample()  # of the last scan: until now the belief was that of its weighted particles
         self._scan_number += 1
-        doubt = posterior.update(
-            scan, self._type_numbers(scan.types), _view_of(scan), self._scan_number, watchful
-        )
+        doubt = posterior.update(scan, self._type_numbers(scan.types), _view_of(scan), self._scan_number, watchful)
         self._doubt = max(self._doubt + doubt, 0.0)
         return self.relocalise() if self._doubt > LOST else self.belief
 

@@ -42,7 +42,7 @@ def lean(function: F) -> F:
     """Do what `njit` does for a function that makes no array, without counting references.
 
     Otherwise every call counts each array that it is handed up and down again, one after the other, and a tuple of
-    arrays takes longer to count than a small kernel to run. What makes an array or returns a new one doesn't compile so.
+    arrays takes longer to count than a small kernel to run. What makes an array or returns a new one won't compile.
     """
     return _compiled(function, counts_references=False)
 

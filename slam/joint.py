@@ -113,7 +113,7 @@ class JointPosterior:
         self._report()
 
     def update(self, scan: Scan, types: Array, view: Array, scan_number: int, watchful: bool) -> float:
-        """Take one scan, its types numbered, through all hypotheses; return 0: they do not watch out for contradictions."""
+        """Take one scan, its types numbered, through all hypotheses; return 0: none watches out for contradictions."""
         cloud, p = self.cloud, self._parameters
         measured, relations, near, n_near, _ = look_up(
             cloud.particles, tuple(cloud.maps), scan.records, types, scan.links, scan.level, p

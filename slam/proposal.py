@@ -71,7 +71,7 @@ def propose(particles: Array, maps: Record, measured: Array, associations: Array
             if a.turn_map:
                 turn(m, 1, turned[0])
                 m = turned[0]
-            rows, _ = correspond(z, m, a.offset, particle.pose, work[0].tolerance**2, work[0], np.inf)
+            rows, _ = correspond(z, m, a.offset, particle.pose, work[0].tolerance ** 2, work[0], np.inf)
             rows, distance, log_det = innovate_as_set(z, m, rows, particle.cov, work[0], p)
             particle.log_weight += log_likelihood(distance, log_det, rows, p.log_reference)
             for r in range(rows):

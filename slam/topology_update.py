@@ -48,13 +48,14 @@ def measured_relations(measured: Array, links: Array, tolerance: float, relation
         relations[i, j, ADJACENT] = known_log_odds(links[k].confidence)
         relations[i, j, 2], relations[i, j, 3] = contact(measured[i, 0], measured[j, 0], tolerance)
     shared, size = shared_areas(measured)
+    outside = known_log_odds(0.0)
     for i in range(n):
         for j in range(n):
             apart = measured[i, 0].type != measured[j, 0].type and shared[i, j] <= ONE_PLACE * max(size[i], size[j])
             if i != j and apart:
                 linked = relations[i, j, ADJACENT] != 0.0 or relations[j, i, ADJACENT] != 0.0
                 inside = 0.0 if linked else shared[i, j] / size[i] * min((size[j] / size[i]) ** 2, 1.0)
-                relations[i, j, INSIDE] = known_log_odds(inside)
+                relations[i, j, INSIDE] = known_log_odds(inside) if inside > 0.0 else outside
 
 
 @njit

@@ -34,7 +34,7 @@ REVERSED = np.array(
     ],
     np.uint8,
 )
-"""By number of rectangles: which entry of a row is which of the row read from its other end, where edges change sign."""
+"""By number of rectangles: which entry is which of the row read from its other end, where edges change sign."""
 
 ACROSS = np.array([0, 3, 4, 2, 1, 5, 6, 7, 8, 9, 10], np.uint8)
 """Which entry of a rectangle is which after a quarter turn, where v edges change sign."""
