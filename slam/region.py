@@ -19,7 +19,7 @@ from enum import IntEnum
 
 import numpy as np
 
-from slam.jit import lean
+from slam.jit import njit
 from slam.rows import MAX_RECTANGLES, Floats, Row
 
 MAX_STATE = 2 + 3 * MAX_RECTANGLES
@@ -67,19 +67,19 @@ REGION = np.dtype(
 """One region of a particle's map in edge form."""
 
 
-@lean
+@njit
 def u_index(k: int) -> int:
     """Return the place of boundary u_k in the state vector."""
     return 1 if k == 0 else 3 * k - 1
 
 
-@lean
+@njit
 def b_index(i: int) -> int:
     """Return the place of the bottom edge of rectangle i in the state vector; its top edge follows."""
     return 3 + 3 * i
 
 
-@lean
+@njit
 def is_u(k: int) -> bool:
     """Say whether place k of the state vector is a boundary along the row, not an edge across it."""
     return k == 1 or k % 3 == 2
