@@ -33,6 +33,7 @@ CHOICES = {
 """Settings that are one of several words."""
 
 PRIOR_TYPE, PRIOR_LINK, PRIOR_CHILD = 0.5, 0.2, 0.1
+DRAWN_SHARE = 0.01
 
 
 @dataclass(frozen=True)
@@ -61,10 +62,10 @@ class SlamConfig:
     gate_associate, gate_new
         Squared Mahalanobis distances: below the first a measurement may be associated, above the second it is a new
         region, in between it is used for neither (Montemerlo & Thrun 2003). Wide, because particles are overconfident.
-    drawn_after
-        Number of scans after which poses are drawn; until then a particle takes the mean of its proposal. The first
-        scans fix how the frame of the map lies, and in the end all particles descend from one: what it had drawn there
-        would stay, and make the frame's error 1.4 times that of the optimum with any number of particles.
+    drawn_share
+        Share of the proposal's covariance that is drawn at each scan; the rest stays a Gaussian around the particle, so
+        that many scans share in what the paper draws at once. 1: FastSLAM 2.0 to the letter. In the end all particles
+        descend from one, and what it has drawn stays as error of the map. None: 0.01, and 1 with the paper's update.
     resample_below
         Resample when the effective sample size falls below this share of the particles.
     resampling
@@ -100,7 +101,7 @@ class SlamConfig:
     correspondence: Literal["edges", "paper"] = "edges"
     gate_associate: float = 50.0
     gate_new: float = 200.0
-    drawn_after: int = 30
+    drawn_share: float | None = None
     resample_below: float = 0.5
     resampling: str = "systematic"
     prior_type: PriorByType = PRIOR_TYPE
@@ -124,8 +125,10 @@ class SlamConfig:
             value = getattr(self, name)
             if not (isinstance(value, int | np.integer) and not isinstance(value, bool) and value >= 1):
                 raise ValueError(f"{name} is {value!r}, expected an integer of at least 1")
-        if not (isinstance(self.drawn_after, int | np.integer) and self.drawn_after >= 0):
-            raise ValueError(f"drawn_after is {self.drawn_after!r}, expected an integer of at least 0")
+        if not 0 <= self._drawn_share <= 1:
+            raise ValueError(f"drawn_share is {self.drawn_share!r}, expected a share from 0 to 1")
+        if self.geometric_update == "paper" and self._drawn_share != 1:
+            raise ValueError(f"drawn_share is {self.drawn_share!r}, expected 1 with geometric_update 'paper'")
         if not 0 < self.resample_below <= 1:
             raise ValueError(f"resample_below is {self.resample_below!r}, expected a share above 0, at most 1")
         object.__setattr__(self, "prior_type", checked_by_type("prior_type", self.prior_type))
@@ -152,6 +155,12 @@ class SlamConfig:
     @property
     def _tolerance(self) -> float:
         return self.measurement_noise.sigma_xy if self.tolerance is None else self.tolerance
+
+    @property
+    def _drawn_share(self) -> float:
+        if self.drawn_share is None:
+            return 1.0 if self.geometric_update == "paper" else DRAWN_SHARE
+        return self.drawn_share
 
     def _check_existence(self) -> None:
         for name in ("existence_seen", "existence_missed"):
@@ -184,6 +193,7 @@ class SlamConfig:
             self.existence_ceiling,
             self.confirmed_after,
             self.geometric_update == "paper",
+            self._drawn_share,
         )
 
     def priors(self) -> Priors:
@@ -213,3 +223,4 @@ class Parameters(NamedTuple):
     existence_ceiling: float
     confirmed_after: int
     paper_update: bool
+    drawn_share: float

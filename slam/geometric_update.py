@@ -1,4 +1,4 @@
-"""Geometric update of the mapped regions from drawn poses (Oberländer et al. 2008, section II-C.1, in edge form).
+"""Geometric update of the mapped regions (Oberländer et al. 2008, section II-C.1, in edge form).
 
 Closed edges of the measurement observe closed edges of the region directly: one joint Kalman update of phi and all
 edges. An open edge of the region is a bound. Any edge of the measurement beyond it pushes it outwards, the paper's
@@ -7,6 +7,8 @@ sets it from a flat prior. An edge that is open in the measurement says nothing 
 """
 
 from __future__ import annotations
+
+from typing import Any
 
 import numpy as np
 
@@ -55,6 +57,7 @@ def update_geometry(
     born = np.full(len(measured), -1, np.int64)  # the slot of a new region is the same for all particles
     for i in range(len(particles)):
         particle = particles[i]
+        work[0].pose_cov[:] = particle.cov
         for j in range(len(measured)):
             a = associations[i, j]
             if a.slot >= 0:
@@ -69,22 +72,23 @@ def update_geometry(
         # New regions come last: a region born in this scan explains no other measurement of it.
         for j in range(len(measured)):
             if associations[i, j].slot == NEW:
-                slot = begin(maps, i, born, j, measured[j, 0], particle.pose, scan_number, p)
+                slot = begin(maps, i, born, j, measured[j, 0], particle, scan_number, p)
                 associations[i, j].slot = near[i, n_near[i]] = slot
                 n_near[i] += 1
 
 
 @lean
-def begin(maps: Record, particle: int, born: Array, j: int, z: Record, pose: Array, scan_number: int, p: Record) -> int:
-    """Add the region that measurement j of this scan begins to a particle's map; return its slot.
+def begin(maps: Record, i: int, born: Array, j: int, z: Record, particle: Record, scan_number: int, p: Record) -> int:
+    """Add the region that measurement j of this scan begins to the map of particle i; return its slot.
 
     `born` (M,) holds the slots of the scan's new regions, -1 where no particle has begun it yet.
     """
     region_id = scan_number * MAX_MEASUREMENTS + j
     if born[j] < 0:
         born[j] = new_slot(maps, region_id)
-    m = add(maps, particle, born[j])
-    start(z, pose, m, p)
+    m = add(maps, i, born[j])
+    start(z, particle.pose, m, p)
+    doubt_pose(m, particle.pose, particle.cov)
     m.id, m.last_seen = region_id, scan_number
     cover(maps, born[j], m)
     return born[j]
@@ -127,6 +131,35 @@ def start(z: Record, pose: Array, m: Record, p: Record) -> None:
 
 
 @lean
+def doubt_pose(m: Record, pose: Array, pose_cov: Array) -> None:
+    """Add to the covariance of a new region that of the pose (3, 3) from which it was seen."""
+    size = state_size(m.n)
+    c, s = np.cos(m.state[0]), np.sin(m.state[0])
+    dx, dy = m.anchor[0] - pose[0], m.anchor[1] - pose[1]
+    for a in range(size):
+        xa, ya, ta = by_pose(a, c, s, dx, dy)
+        x = xa * pose_cov[0, 0] + ya * pose_cov[1, 0] + ta * pose_cov[2, 0]
+        y = xa * pose_cov[0, 1] + ya * pose_cov[1, 1] + ta * pose_cov[2, 1]
+        t = xa * pose_cov[0, 2] + ya * pose_cov[1, 2] + ta * pose_cov[2, 2]
+        for b in range(size):
+            xb, yb, tb = by_pose(b, c, s, dx, dy)
+            m.cov[a, b] += x * xb + y * yb + t * tb
+
+
+@lean
+def by_pose(k: int, c: float, s: float, dx: float, dy: float) -> Any:
+    """Return the derivative of a new region's state k by the pose (x, y, theta).
+
+    (c, s): cosine and sine of phi; (dx, dy): from the robot to the anchor, m.
+    """
+    if k == 0:
+        return 0.0, 0.0, 1.0
+    if is_u(k):
+        return c, s, s * dx - c * dy
+    return -s, c, c * dx + s * dy
+
+
+@lean
 def fuse_as_set(z: Record, m: Record, offset: int, pose: Array, work: Record, p: Record) -> None:
     """Update region m with row z by the chosen model; the arguments are those of `fuse`."""
     if p.paper_update:
@@ -137,13 +170,16 @@ def fuse_as_set(z: Record, m: Record, offset: int, pose: Array, work: Record, p:
 
 @lean
 def fuse(z: Record, m: Record, offset: int, pose: Array, work: Record) -> None:
-    """Update region m with row z, seen from a certain pose with rectangle j of z being rectangle j + offset of m."""
+    """Update region m with row z, seen from a pose, with rectangle j of z being rectangle j + offset of m.
+
+    The pose's covariance, `work.pose_cov`, adds to the measurement's: regions stay independent of the pose.
+    """
     offset = grow(z, m, offset)
     slack, (c, s, pu, pv) = work.tolerance**2, frame_of(m, pose)
     settle_open_edges(z, m, offset, pu, pv, slack)
     rows, _ = match_edges(z, m, offset, c, s, pu, pv, pose[2], slack, work, np.inf)
     straighten(z, rows, work)
-    innovation_covariance(z, m, rows, work.certain, work)
+    innovation_covariance(z, m, rows, work.pose_cov, work)
     whiten(rows, work)
     size = state_size(m.n)
     for r in range(rows):

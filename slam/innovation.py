@@ -41,7 +41,7 @@ WORKSPACE = np.dtype(
             ("inverse", np.float64, (MAX_STATE,)),  # (rows,) reciprocal pivots
             ("scale", np.float64, (MAX_STATE,)),  # (rows,) reciprocal diagonal of L
             ("gain", np.float64, (MAX_STATE, MAX_STATE)),  # (rows, states) H C, becomes L^-1 H C
-            ("certain", np.float64, (3, 3)),  # covariance of a drawn pose: zero
+            ("pose_cov", np.float64, (3, 3)),  # of the pose that a region is updated from; zero where that is certain
             ("tolerance", np.float64),  # how far a bound may be off, m
             ("figures", MEASUREMENT, (2,)),
             ("regions", REGION, (2,)),

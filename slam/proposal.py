@@ -86,11 +86,13 @@ def propose(particles: Array, maps: Record, measured: Array, associations: Array
 
 
 @lean
-def draw(particles: Array, normals: Array) -> None:
-    """Draw every pose from its proposal with standard normal numbers, shape (P, 3); the pose is certain afterwards.
+def draw(particles: Array, normals: Array, share: float) -> None:
+    """Draw a share of every proposal's covariance with standard normal numbers, shape (P, 3); the rest stays Gaussian.
 
+    N(mean, C) is the mixture of all N(x, (1 - share) C) with x drawn from N(mean, share C). A share of 1: the pose.
     The numbers count along the robot's axes, so that the results do not depend on how the map frame lies.
     """
+    root = np.sqrt(share)
     for i in range(len(particles)):
         pose, cov = particles[i].pose, particles[i].cov
         c, s = np.cos(pose[2]), np.sin(pose[2])
@@ -102,12 +104,14 @@ def draw(particles: Array, normals: Array) -> None:
         l11 = np.sqrt(max(s * s * xx - 2 * c * s * xy + c * c * yy - l10 * l10, 0.0))
         l21 = (c * cov[2, 1] - s * cov[2, 0] - l20 * l10) / l11 if l11 > 0.0 else 0.0
         l22 = np.sqrt(max(cov[2, 2] - l20 * l20 - l21 * l21, 0.0))
-        forward = l00 * normals[i, 0]
-        left = l10 * normals[i, 0] + l11 * normals[i, 1]
+        n0, n1, n2 = root * normals[i, 0], root * normals[i, 1], root * normals[i, 2]
+        forward, left = l00 * n0, l10 * n0 + l11 * n1
         pose[0] += c * forward - s * left
         pose[1] += s * forward + c * left
-        pose[2] = wrap(pose[2] + l20 * normals[i, 0] + l21 * normals[i, 1] + l22 * normals[i, 2])
-        cov[:] = 0.0
+        pose[2] = wrap(pose[2] + l20 * n0 + l21 * n1 + l22 * n2)
+        for a in range(3):
+            for b in range(3):
+                cov[a, b] *= 1.0 - share
 
 
 @lean

@@ -40,7 +40,6 @@ class SampledPosterior:
     def __init__(self, cloud: ParticleSet, config: SlamConfig, rng: np.random.Generator) -> None:
         self.cloud, self._rng = cloud, rng
         self.ess = float(len(cloud.particles))
-        self._drawn_after = config.drawn_after
         self._resample_below, self._scheme = config.resample_below, SCHEMES.index(config.resampling)
         self._parameters = tuple(config.parameters())  # Numba unpacks a plain tuple five times faster
         self._priors = tuple(config.priors())
@@ -80,8 +79,6 @@ class SampledPosterior:
         """Take one scan, its types numbered, through all particles; return how much it contradicts their maps."""
         cloud = self.cloud
         normals = self._rng.standard_normal((len(cloud.particles), 3))
-        if scan_number <= self._drawn_after:
-            normals[:] = 0.0
         self.ess = 0.0
         while self.ess == 0.0:
             self.ess, doubt, (records, links) = update_particles(

@@ -95,7 +95,7 @@ def update_particles(
 
     associate(particles, maps, near, n_near, measured, p, associations, candidates, n_candidates)
     propose(particles, maps, measured, associations, p)
-    draw(particles, normals)
+    draw(particles, normals, p.drawn_share)
     doubt = 0.0
     if watchful:
         doubt = contradiction(particles, maps, near, n_near, associations, candidates, n_candidates, view, p)

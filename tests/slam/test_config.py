@@ -22,7 +22,7 @@ def test_probabilities_become_log_odds_and_the_range_a_density() -> None:
         ("n_particles", 2.5),
         ("prior_type", 0.0),
         ("prior_link", 1.0),
-        ("drawn_after", -1),
+        ("drawn_share", 1.5),
         ("resample_below", 1.5),
         ("sensor_range", math.inf),
         ("sensor_range", -1.0),
@@ -53,3 +53,10 @@ def test_tolerance_follows_from_the_noise_unless_given() -> None:
     assert SlamConfig(measurement_noise=noise, tolerance=0.2).parameters().tolerance == 0.2
     with pytest.raises(ValueError, match="sigma_xy"):
         SlamConfig(measurement_noise=MeasurementNoise(sigma_xy=0.0))
+
+
+def test_the_papers_update_knows_drawn_poses_alone() -> None:
+    assert SlamConfig(geometric_update="paper").parameters().drawn_share == 1.0
+    assert SlamConfig(geometric_update="paper", drawn_share=1.0).parameters().drawn_share == 1.0
+    with pytest.raises(ValueError, match=r"drawn_share is 0\.1, expected 1 with geometric_update 'paper'"):
+        SlamConfig(geometric_update="paper", drawn_share=0.1)

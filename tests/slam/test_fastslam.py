@@ -72,7 +72,7 @@ def course(seed: int = 0, steps: int = 24) -> tuple[Course, list[np.ndarray]]:
 def run(
     drive: Course, seed: int = 1, start: tuple[float, float, float] = (0, 0, 0), **settings: object
 ) -> list[Belief]:
-    slam = RegionSLAM(SlamConfig(**{"n_particles": 3, "drawn_after": 2, **settings}), seed=seed)  # type: ignore[arg-type]
+    slam = RegionSLAM(SlamConfig(**{"n_particles": 3, "drawn_share": 0.5, **settings}), seed=seed)  # type: ignore[arg-type]
     slam.reset(start)
     out = []
     for odometry, seen in drive:
@@ -186,7 +186,7 @@ def test_descriptions_of_measurements_do_not_matter(
 
 
 def test_resampled_particles_live_their_own_lives(drive: tuple[Course, list[np.ndarray]]) -> None:
-    slam = RegionSLAM(SlamConfig(n_particles=4, drawn_after=0, resample_below=1.0), seed=0)
+    slam = RegionSLAM(SlamConfig(n_particles=4, resample_below=1.0), seed=0)
     for odometry, seen in drive[0][:6]:
         belief = slam.step(odometry, Scan(seen))
         assert np.allclose(np.exp(belief.particles["log_weight"]).sum(), 1.0)
@@ -195,13 +195,13 @@ def test_resampled_particles_live_their_own_lives(drive: tuple[Course, list[np.n
     assert len({tuple(p) for p in after.particles["pose"].round(12).tolist()}) == 4
 
 
-def test_no_particle_draws_before_the_frame_is_fixed(drive: tuple[Course, list[np.ndarray]]) -> None:
-    slam = RegionSLAM(SlamConfig(n_particles=4, drawn_after=3), seed=0)
-    for k, (odometry, seen) in enumerate(drive[0][:5]):
+@pytest.mark.parametrize("share", [0.0, 1.0])
+def test_poses_are_drawn_wholly_or_not_at_all(drive: tuple[Course, list[np.ndarray]], share: float) -> None:
+    slam = RegionSLAM(SlamConfig(n_particles=4, drawn_share=share), seed=0)
+    for odometry, seen in drive[0][:5]:
         particles = slam.step(odometry, Scan(seen)).particles
-        distinct = len({tuple(p) for p in particles["pose"].tolist()})
-        assert distinct == (1 if k < 3 else 4)
-        assert np.array_equal(particles["pose"], particles["expected"]) == (k < 3)
+        assert len({tuple(p) for p in particles["pose"].tolist()}) == (4 if share else 1)
+        np.testing.assert_array_equal(particles["cov"], 0.0 if share else particles["spread"])
 
 
 def clutter(rng: np.random.Generator) -> RegionMeasurement:

@@ -5,11 +5,11 @@ import pytest
 
 from slam.association import NEW
 from slam.edge_form import FLAT_VARIANCE, state_size
-from slam.geometric_update import fuse, start, update_geometry
+from slam.geometric_update import doubt_pose, fuse, start, update_geometry
 from slam.growth import grow, shift_right
 from slam.innovation import workspace
 from slam.measurement import RegionMeasurement
-from slam.region import REGION
+from slam.region import REGION, is_u
 from tests.slam import naive
 from tests.slam.drawn import (
     CLOSED,
@@ -67,6 +67,46 @@ def test_covariance_of_a_new_region_is_that_of_its_lines_about_the_anchor(n: int
     np.testing.assert_allclose(m.cov[:size, :size], j @ z.cov[:size, :size] @ j.T, atol=1e-8)
     np.testing.assert_allclose(m.state[1:size], lines_about_anchor(z.state[:size])[1:], atol=1e-12)
     np.testing.assert_allclose(naive.seen_from(m.state[:size], anchor, pose)[1:], z.state[1:size], atol=1e-12)
+
+
+@pytest.mark.parametrize("n", [1, 2, 3])
+def test_a_new_region_is_as_uncertain_as_the_pose_it_was_seen_from(n: int) -> None:
+    """Seen from a pose that is off, the same measurement lies elsewhere: finite differences give the derivative."""
+    rng = np.random.default_rng(n)
+    size, pose, step = state_size(n), np.array([1.0, 2.0, -0.4]), 1e-6
+    pose_cov = naive.random_covariance(rng, 3, 0.1)
+    z = sense(random_state(rng, n), naive.random_covariance(rng, size))
+    z.main = n // 2
+    m = blank()
+    start(z, pose, m, P)
+    derivative = np.empty((size, 3))
+    for k in range(3):
+        moved = blank()
+        start(z, pose + step * np.eye(3)[k], moved, P)
+        state = moved.state[:size].copy()
+        apart, phi = moved.anchor - m.anchor, moved.state[0]
+        for j in range(1, size):
+            normal = (np.cos(phi), np.sin(phi)) if is_u(j) else (-np.sin(phi), np.cos(phi))
+            state[j] += np.dot(normal, apart)
+        derivative[:, k] = (state - m.state[:size]) / step
+    before = m.cov[:size, :size].copy()
+    doubt_pose(m, pose, pose_cov)
+    np.testing.assert_allclose(m.cov[:size, :size] - before, derivative @ pose_cov @ derivative.T, atol=1e-4, rtol=1e-4)
+
+
+def test_an_uncertain_pose_counts_as_noise_of_the_measurement() -> None:
+    """Of a region whose heading is known, seen from a pose that is off along x alone, both lines along u say less."""
+    before, after = np.diag([1e-9, 0.04, 0.04, 0.04, 0.04]), np.diag([1e-9, 0.02, 0.02, 0.02, 0.02])
+    m = mapped(np.array([0.0, -2, 2, -1, 1]), np.zeros(2), before)
+    z = sense(np.array([0.0, -1.9, 2.1, -1, 1]), np.diag([1e-9, 0.01, 0.01, 0.04, 0.04]))
+    work = workspace()
+    work.pose_cov[0, 0] = 0.03
+    fuse(z, m, 0, ORIGIN, work)
+    # S = 0.04 + 0.01 on the diagonal, and the pose's 0.03 in all of it: r = 0.1 twice.
+    gain = 0.04 * np.linalg.inv(np.array([[0.08, 0.03], [0.03, 0.08]]))
+    np.testing.assert_allclose(m.state[1:3], np.array([-2, 2]) + gain @ [0.1, 0.1], atol=1e-6)
+    np.testing.assert_allclose(m.cov[1:3, 1:3], 0.04 * np.eye(2) - 0.04 * gain, atol=1e-6)
+    np.testing.assert_allclose(np.diag(m.cov)[3:5], np.diag(after)[3:5], atol=1e-6)
 
 
 def test_an_open_edge_begins_inside_the_view_and_knows_nothing() -> None:

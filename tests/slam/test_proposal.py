@@ -47,20 +47,32 @@ def test_draws_have_the_proposals_covariance() -> None:
     cov = naive.random_covariance(np.random.default_rng(2), 3, 0.01)
     pose = np.array([1.0, 2.0, 0.7])
     robots = particles(pose, cov, count=4)
-    draw(robots, np.vstack([np.zeros(3), np.eye(3)]))
+    draw(robots, np.vstack([np.zeros(3), np.eye(3)]), 1.0)
     np.testing.assert_allclose(robots[0].pose, pose, atol=1e-14)
     root = (robots["pose"][1:] - pose).T
     np.testing.assert_allclose(root @ root.T, cov, atol=1e-14)
     assert not robots["cov"].any()
 
 
+@pytest.mark.parametrize("share", [0.0, 0.01, 0.4, 1.0])
+def test_what_is_drawn_and_what_stays_make_up_the_proposal(share: float) -> None:
+    cov = naive.random_covariance(np.random.default_rng(2), 3, 0.01)
+    pose = np.array([1.0, 2.0, 0.7])
+    robots = particles(pose, cov, count=3)
+    draw(robots, np.eye(3), share)
+    root = (robots["pose"] - pose).T
+    np.testing.assert_allclose(root @ root.T, share * cov, atol=1e-14)
+    for robot in robots:
+        np.testing.assert_allclose(root @ root.T + robot["cov"], cov, atol=1e-14)
+
+
 def test_draws_of_a_flat_covariance_stay_in_its_plane() -> None:
     """A straight drive knows nothing but its length and heading; nothing may become NaN."""
     robots = particles((0, 0, 0.7))
     predict(robots, 1.0, 0.0, 0.0, 0.01, 0.0, 0.0)
-    draw(robots, np.ones((1, 3)))
+    draw(robots, np.ones((1, 3)), 1.0)
     np.testing.assert_allclose(robots[0].pose, [1.1 * np.cos(0.7), 1.1 * np.sin(0.7), 0.7], atol=1e-9)
-    draw(robots, np.ones((1, 3)))
+    draw(robots, np.ones((1, 3)), 1.0)
     assert np.all(np.isfinite(robots[0].pose))
 
 
@@ -70,7 +82,7 @@ def test_draws_count_along_the_robots_axes() -> None:
     for heading in (0.0, 2.0):
         robots = particles((0, 0, heading))
         predict(robots, 0.5, 0.1, 0.3, *NOISE)
-        draw(robots, np.array([[0.3, -1.2, 0.8]]))
+        draw(robots, np.array([[0.3, -1.2, 0.8]]), 1.0)
         x, y, theta = robots[0].pose
         c, s = np.cos(heading), np.sin(heading)
         steps.append((c * x + s * y, c * y - s * x, theta - heading))
