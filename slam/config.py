@@ -99,8 +99,8 @@ class SlamConfig:
     sensor_range: float = 8.0
     tolerance: float | None = None
     correspondence: Literal["edges", "paper"] = "edges"
-    gate_associate: float = 50.0
-    gate_new: float = 200.0
+    gate_associate: float = 30.0
+    gate_new: float = 100.0
     drawn_share: float | None = None
     resample_below: float = 0.5
     resampling: str = "systematic"

@@ -26,7 +26,7 @@ def test_probabilities_become_log_odds_and_the_range_a_density() -> None:
         ("resample_below", 1.5),
         ("sensor_range", math.inf),
         ("sensor_range", -1.0),
-        ("gate_associate", 400.0),
+        ("gate_associate", 101.0),
         ("tolerance", 0.0),
         ("tolerance", math.inf),
         ("correspondence", "midpoints"),
