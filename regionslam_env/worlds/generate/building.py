@@ -105,7 +105,8 @@ def _add_niche(
         if band.corridor == number
         for i in range(len(band.cells))
         for j in (i + 1, i + 2)
-        if j <= len(band.cells) and all(_shallower(cell) for cell in band.cells[i:j])
+        if j <= len(band.cells)
+        and all(_shallower(cell) for cell in band.cells[i:j])
         and 30 <= band.cells[j - 1].x1 - band.cells[i].x0 <= 90
         and any(low + 15 <= band.cells[i].x0 and band.cells[j - 1].x1 <= high - 15 for low, high, _ in straight)
     ]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 
 import numpy as np
@@ -30,7 +31,7 @@ PAVILIONS = (
 STREET = (40, 60)
 """Width of the paths between buildings, dm."""
 
-ACCESS = (20, 30)
+ACCESS = (22, 30)
 """Width of the way to a building's door, dm."""
 
 LAWN = (30, 70)
@@ -45,7 +46,7 @@ BLOCK = 350
 
 @dataclass
 class _Site:
-    """A building turned towards its path, from (0, 0) to width and depth; `door` is in the draft, the way still open."""
+    """A building turned towards its path, from (0, 0) to width and depth; `door` is in its draft."""
 
     draft: Draft
     door: Gap
@@ -134,36 +135,36 @@ def _pave(
     """Add the paths, the ways to the doors, and paths across at both ends that close loops."""
     across: list[tuple[Room, Room]] = []  # of each path: its first and its last stretch
     for low, high, doors in paths:
-        limits = [0, *(round(length * k / -(-length // BLOCK)) for k in range(1, -(-length // BLOCK) + 1))]
+        count = -(-length // BLOCK)
+        limits = [0, *(_beside_doors(round(length * k / count), doors) for k in range(1, count)), length]
         stretches = []
-        for x0, x1 in zip(limits, limits[1:], strict=False):
+        for x0, x1 in itertools.pairwise(limits):
             stretches.append(_ground(campus, (x0, low, x1, high), "path"))
-        for one, other in zip(stretches, stretches[1:], strict=False):
+        for one, other in itertools.pairwise(stretches):
             campus.gaps.append(Gap(1, one.boxes[0][2], low, high, (one, other), door=False))
         for door in doors:
             room = door.rooms[0]
             width = draw(rng, ACCESS)
-            start = min(max((door.low + door.high - width) // 2, 0), length - width)
-            stretch = next(s for s in stretches if start < s.boxes[0][2])
-            if start + width > stretch.boxes[0][2]:  # a way ends at one stretch of the path
-                after = stretches[stretches.index(stretch) + 1]
-                start, stretch = (
-                    (stretch.boxes[0][2] - width, stretch)
-                    if stretch.boxes[0][2] >= door.high + 1
-                    else (after.boxes[0][0], after)
-                )
+            stretch = next(s for s in stretches if door.high <= s.boxes[0][2])
+            start = (door.low + door.high - width) // 2
             edge = low if door.at < low else high
             way = _ground(campus, (start, min(door.at, edge), start + width, max(door.at, edge)), "way")
             campus.gaps.append(Gap(0, edge, start, start + width, (way, stretch), door=False))
-            door.low, door.high = max(door.low, start + 1), min(door.high, start + width - 1)
             door.rooms = (way, room)
         across.append((stretches[0], stretches[-1]))
-    for (first, last), (next_first, next_last) in zip(across, across[1:], strict=False):
+    for (first, last), (next_first, next_last) in itertools.pairwise(across):
         for x0, one, other in ((0, first, next_first), (length - STREET[0], last, next_last)):
             y0, y1 = one.boxes[0][3], other.boxes[0][1]
             path = _ground(campus, (x0, y0, x0 + STREET[0], y1), "path")
             campus.gaps.append(Gap(0, y0, x0, x0 + STREET[0], (one, path), door=False))
             campus.gaps.append(Gap(0, y1, x0, x0 + STREET[0], (path, other), door=False))
+
+
+def _beside_doors(x: int, doors: list[Gap]) -> int:
+    """Return the place nearest to x where no way to a door meets the path."""
+    reach = ACCESS[1]
+    tried = (x + sign * k for k in range(10_000) for sign in (1, -1))
+    return next(place for place in tried if not any(d.low - reach < place < d.high + reach for d in doors))
 
 
 def _ground(campus: Draft, box: tuple[int, int, int, int], title: str) -> Room:

@@ -5,6 +5,7 @@ A box is x0, y0, x1, y1. A wall runs along axis 0 (x) at a fixed y, or along axi
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
@@ -132,7 +133,7 @@ def sides(room: Room) -> Iterator[tuple[int, int, int, int]]:
     first, last = boxes[0], boxes[-1]
     yield 1 - along, first[0], first[1], first[3]
     yield 1 - along, last[2], last[1], last[3]
-    for (_, b, u, t), (_, next_b, _, next_t) in zip(boxes, boxes[1:], strict=False):
+    for (_, b, u, t), (_, next_b, _, next_t) in itertools.pairwise(boxes):
         if b != next_b:
             yield 1 - along, u, min(b, next_b), max(b, next_b)
         if t != next_t:

@@ -31,6 +31,10 @@ class Standard:
     seed: int
 
 
+Wish = tuple[RoomPlan, int, Standard | None]
+"""A room that waits for its place: its plan, the width it would like (dm), and the standard room that it copies."""
+
+
 @dataclass(frozen=True)
 class Cell:
     """A room's place in a band: from x0 to x1 along the corridor, from `front` (dm off the corridor) to `depth`."""
@@ -79,7 +83,8 @@ class RoomQueue:
 
     def fill(self, start: int, end: int, depth: int) -> list[Cell]:
         """Return rooms side by side from start to end (dm), taken off the queue; new ones where it runs out."""
-        length, taken = end - start, []
+        length = end - start
+        taken: list[Wish] = []
         while True:
             left = length - sum(_least(*wish) for wish in taken)
             if sum(_most(*wish) for wish in taken) >= length:
@@ -99,17 +104,17 @@ class RoomQueue:
             x += width
         return cells
 
-    def _peek(self) -> list[tuple[RoomPlan, int, Standard | None]]:
+    def _peek(self) -> list[Wish]:
         if not self._wished:
             self._wished.append(self._wish(self._usual))
         return [self._wished[i] for i in range(min(LOOK_AHEAD, len(self._wished)))]
 
-    def _take(self, place: int) -> tuple[RoomPlan, int, Standard | None]:
+    def _take(self, place: int) -> Wish:
         wish = self._wished[place]
         del self._wished[place]
         return wish
 
-    def _wish(self, plan: RoomPlan) -> tuple[RoomPlan, int, Standard | None]:
+    def _wish(self, plan: RoomPlan) -> Wish:
         if self._rng.random() >= self._ambiguity:
             return plan, draw(self._rng, plan.width), None
         if plan not in self._standards:
@@ -127,7 +132,7 @@ def _most(plan: RoomPlan, width: int, standard: Standard | None) -> int:
     return width if standard is not None else plan.width[1]
 
 
-def _stretched(wishes: Sequence[tuple[RoomPlan, int, Standard | None]], length: int) -> list[int]:
+def _stretched(wishes: Sequence[Wish], length: int) -> list[int]:
     """Return widths (dm) that fill a length: standard rooms as they are where others can give way."""
     widths = [width for _, width, _ in wishes]
     for limited, who in (
@@ -169,7 +174,7 @@ def _mixed(program: Program, count: int, rng: np.random.Generator) -> list[RoomP
 
 
 def shaped(cells: list[Cell], rng: np.random.Generator, often: float) -> list[Cell]:
-    """Return the cells with some of their own lesser depth, where a neighbour can reach around or they were far too deep."""
+    """Return the cells with some of their own lesser depth, where a neighbour reaches around or they were too deep."""
     result = list(cells)
     for i, cell in enumerate(cells):
         own = cell.plan.depth

@@ -48,17 +48,23 @@ def build_flat(
     """Add a dwelling to a draft: its rooms, their doors, the entrance door and furniture."""
     box = (cell.x0, cell.front, cell.x1, cell.depth)
     entrances = [x for x in range(cell.x0 + 2, cell.x1 - DOOR - 1) if hallway_at(x - 1, x + DOOR + 1)]
-    flat = (_studio if cell.width < 62 else _flat)(part, box, entrances, rng)
-    start = _nearest(flat.entrance[0] + flat.entrance[1], entrances, flat.entrance)
+    flat = _studio(part, box, rng) if cell.width < 62 else _flat(part, box, entrances, rng)
+    low, high = flat.entrance
+    places = [x for x in entrances if low + 1 <= x and x + DOOR <= high - 1]
+    places = places or [x for x in range(low, high - DOOR + 1) if hallway_at(x, x + DOOR)]
+    start = min(places, key=lambda x: abs(2 * x + DOOR - low - high))
     corridor = hallway_at(start, start + DOOR)
-    if corridor is not None:
-        part.gaps.append(Gap(0, cell.front, start, start + DOOR, (flat.hall, corridor)))
+    assert corridor is not None
+    part.gaps.append(Gap(0, cell.front, start, start + DOOR, (flat.hall, corridor)))
     furnish_flat(part, clutter, rng)
 
 
 def lone_flat(part: Draft, box: Box, clutter: float, rng: np.random.Generator, rooms: int) -> None:
     """Add a dwelling without an entrance door, of about so many rooms."""
-    (_studio if rooms <= 3 else _flat)(part, box, [], rng)
+    if rooms <= 3:
+        _studio(part, box, rng)
+    else:
+        _flat(part, box, [], rng)
     furnish_flat(part, clutter, rng)
 
 
@@ -76,17 +82,12 @@ class _Flat:
     entrance: tuple[int, int]
 
 
-def _nearest(twice: int, places: list[int], limits: tuple[int, int]) -> int:
-    inside = [x for x in places if limits[0] + 1 <= x and x + DOOR <= limits[1] - 1]
-    return min(inside or places or [limits[0] + 1], key=lambda x: abs(2 * x + DOOR - twice))
-
-
-def _studio(part: Draft, box: Box, entrances: list[int], rng: np.random.Generator) -> _Flat:
+def _studio(part: Draft, box: Box, rng: np.random.Generator) -> _Flat:
     """Return a living room around a bathroom, and around a kitchen niche where it is wide enough."""
     x0, y0, x1, y1 = box
     bath, depth = draw(rng, BATH), draw(rng, (20, 26))
     left = rng.random() < 0.5
-    kitchen = draw(rng, (20, 24)) if x1 - x0 - bath >= 40 and rng.random() < 0.7 else 0
+    kitchen = draw(rng, (20, 24)) if x1 - x0 - bath >= 44 and rng.random() < 0.7 else 0
     low = x0 + (bath if left else kitchen)
     high = x1 - (kitchen if left else bath)
     living = Room("living room", [(low, y0, high, y0 + depth), (x0, y0 + depth, x1, y1)], axis=1)
@@ -108,9 +109,10 @@ def _flat(part: Draft, box: Box, entrances: list[int], rng: np.random.Generator)
     x0, y0, x1, y1 = box
     hall = draw(rng, (13, 17))
     side = x1 - x0 - hall
-    one_sided = side < 52
-    left = side if one_sided else min(max(int(side * (0.38 + 0.24 * rng.random())), 25), side - 25)
-    low = _free_for_door(x0 + left, hall, entrances)
+    wished = 0 if side < 52 else int(side * (0.38 + 0.24 * rng.random()))
+    places = [*(range(25, side - 24) if side >= 52 else ()), 0, side]
+    possible = [left for left in places if _leads_out(x0 + left, x0 + left + hall, entrances)]
+    low = x0 + min(possible or places, key=lambda left: abs(left - wished))
     top = y1 - draw(rng, (36, 46)) if y1 - y0 >= 76 else y1 - 34
     passage = Room("hallway", [(low, y0, low + hall, top)], axis=1, title="hall")
     living = Room("living room", [(x0, top, x1, y1)])
@@ -129,12 +131,9 @@ def _flat(part: Draft, box: Box, entrances: list[int], rng: np.random.Generator)
     return _Flat(passage, (low, low + hall))
 
 
-def _free_for_door(low: int, hall: int, entrances: list[int]) -> int:
-    """Return where the hall starts: as wished, or where its entrance door leads to one hallway alone."""
-    if not entrances or any(low + 1 <= x and x + DOOR <= low + hall - 1 for x in entrances):
-        return low
-    nearest = min(entrances, key=lambda x: abs(x - low - 2))
-    return nearest - 2 if nearest > low else nearest + DOOR + 2 - hall
+def _leads_out(low: int, high: int, entrances: list[int]) -> bool:
+    """Return whether an entrance door fits between low and high (dm); anywhere in a dwelling that has none."""
+    return not entrances or any(low + 1 <= x and x + DOOR <= high - 1 for x in entrances)
 
 
 def _stack(length: int, missing: list[str], rng: np.random.Generator) -> list[tuple[str, int]]:

@@ -16,7 +16,7 @@ from regionslam_env.worlds.generate.filling import draw
 from regionslam_env.worlds.generate.flats import lone_flat
 from regionslam_env.worlds.generate.options import WorldOptions
 from regionslam_env.worlds.generate.programs import PROGRAMS
-from regionslam_env.worlds.generate.raising import raise_world
+from regionslam_env.worlds.generate.raising import raise_world, walls_of
 from regionslam_env.worlds.world import World
 
 KINDS = ("office", "apartment", "school", "hospital", "campus")
@@ -59,7 +59,8 @@ def generate(kind: str, seed: int, options: WorldOptions | Mapping[str, Any] | N
     _trim(draft, wanted.size, rng)
     flips = rng.integers(0, 2, 3).tolist()
     draft.transform(Turn(*map(bool, flips)))
-    x0, y0, _, _ = draft.bounds
+    corners = np.array(walls_of(draft))
+    x0, y0 = corners[:, :2].min(axis=0).tolist()
     draft.transform(Turn(dx=-x0, dy=-y0))
     return raise_world(f"{kind} {seed}", draft)
 

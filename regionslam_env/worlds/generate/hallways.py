@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -57,7 +58,7 @@ def draw_hallways(skeleton: Skeleton, draft: Draft, rng: np.random.Generator) ->
             row.append((low, high, room))
             own.update(dict.fromkeys(members, room))
         hallways.stretches.append(row)
-        for (_, cut, one), (_, _, other) in zip(row, row[1:], strict=False):
+        for (_, cut, one), (_, _, other) in itertools.pairwise(row):
             draft.gaps.append(joint(1, cut, corridor.y0, corridor.y1, (one, other), rng))
     for i, crossing in enumerate(skeleton.crossings):
         low, high = _climb(skeleton, i)
@@ -102,10 +103,11 @@ def _columns(skeleton: Skeleton, members: list[int]) -> list[tuple[int, int, lis
 def _stretches(
     length: int, columns: list[tuple[int, int, list[int]]], near: list[Crossing], rng: np.random.Generator
 ) -> list[tuple[int, int, list[int]]]:
-    """Return (from, to, crossings) of a corridor's hallways; each with its crossings is at most three boxes in a row."""
+    """Return (from, to, crossings) of a corridor's hallways: with its crossings, each is at most three boxes."""
     longest = draw(rng, LONGEST)
     result: list[tuple[int, int, list[int]]] = []
-    start, end, members, boxes = 0, 0, [], 0  # type: int, int, list[int], int
+    start, end, boxes = 0, 0, 0
+    members: list[int] = []
     for x0, x1, held in columns:
         needed = (x0 > end) + 1
         if members and (boxes + needed + (x1 < length) > 3 or x1 - start > longest):
@@ -124,7 +126,7 @@ def _shortened(
 ) -> list[tuple[int, int, list[int]]]:
     """Return a stretch cut into shorter ones, where it is longer than allowed and none of its crossings is cut off."""
     low, high, members = stretch
-    parts = []
+    parts: list[tuple[int, int, list[int]]] = []
     while not members and high - low > longest:
         places = [x for x in range(low + longest // 2, high - 30, 5) if not _blocked(x, near)]
         if not places:

@@ -120,7 +120,8 @@ def _ends(gap: Gap) -> Floats:
 
 def _opening(name: str, gap: Gap, regions: dict[Room, Region]) -> Opening:
     first, second = (regions[room].id for room in gap.rooms)
-    return Opening(name, (first, second), *_ends(gap).tolist(), name=name)
+    x0, y0, x1, y1 = _ends(gap).tolist()
+    return Opening(name, (first, second), x0, y0, x1, y1, name=name)
 
 
 def _link(gap: Gap, regions: dict[Room, Region]) -> Link:

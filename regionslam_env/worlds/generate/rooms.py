@@ -15,6 +15,9 @@ from regionslam_env.worlds.generate.filling import Cell, draw
 from regionslam_env.worlds.generate.flats import build_flat
 from regionslam_env.worlds.generate.furniture import furnish
 
+DOOR = 9
+"""Least width of a door, dm."""
+
 BATH = (18, 20)
 """Extent of a corner bathroom along the corridor, dm."""
 
@@ -26,7 +29,7 @@ SIDE_DOORS = 0.3
 
 @dataclass(frozen=True)
 class Beside:
-    """What a segment of band adjoins: the hallway in front of a stretch of it, its joints, and crossings at its ends."""
+    """What a segment of band adjoins: the hallways in front of it, and the crossings at its ends."""
 
     hallways: Sequence[tuple[int, int, Room]]
     start: Room | None = None
@@ -48,11 +51,14 @@ def build_segment(
         own = np.random.default_rng(cell.standard.seed) if cell.standard is not None else rng
         part = Draft()
         if cell.plan.layout == "flat":
-            hallway_of = beside.at
-            build_flat(part, cell, hallway_of, clutter, own)
+            build_flat(part, cell, beside.at, clutter, own)
         else:
-            side = None if cell.standard else beside.start if i == 0 else beside.end if i == len(cells) - 1 else None
-            _build_room(part, cell, behind, beside, side, clutter, own)
+            crossings = []
+            if i == 0 and beside.start is not None:
+                crossings.append((cell.x0, beside.start))
+            if i == len(cells) - 1 and beside.end is not None:
+                crossings.append((cell.x1, beside.end))
+            _build_room(part, cell, behind, beside, crossings, clutter, own)
         local.add(part)
     local.transform(turn)
     draft.add(local)
@@ -73,19 +79,19 @@ def _build_room(
     cell: Cell,
     behind: list[Box],
     beside: Beside,
-    side: Room | None,
+    crossings: Sequence[tuple[int, Room]],
     clutter: float,
     rng: np.random.Generator,
 ) -> None:
-    """Add a room with its door; and its bathroom, where it has one."""
+    """Add a room with its bathroom, if any, and its door: to the corridor or a crossing (x of the wall, hallway)."""
     plan = cell.plan
     room = Room(plan.type, [(cell.x0, cell.front, cell.x1, cell.depth), *behind], title=plan.title)
     part.rooms.append(room)
     low, high = cell.x0, cell.x1
     if plan.bath and cell.width >= 36 and cell.depth - cell.front >= 46:
-        low, high = _add_bath(part, room, cell, rng)
-    if side is not None and not plan.bath and plan.door < 12 and rng.random() < SIDE_DOORS:
-        at = cell.x0 if side is beside.start else cell.x1
+        low, high = _add_bath(part, room, cell, beside, rng)
+    if crossings and cell.standard is None and not plan.bath and plan.door < 12 and rng.random() < SIDE_DOORS:
+        at, side = crossings[0]
         start = cell.front + 3 if rng.random() < 0.5 else cell.depth - 3 - plan.door
         part.gaps.append(Gap(1, at, start, start + plan.door, (room, side)))
     else:
@@ -105,10 +111,10 @@ def door_to(
     share: float | None = None,
 ) -> Gap:
     """Return a door from a room to the hallway, between low and high (dm): near one end, in the middle of long ones."""
-    width = min(width, high - low - 4)
     margin = min(4, (high - low - width) // 2)
     places = [x for x in range(low + margin, high - margin - width + 1) if beside.at(x - 1, x + width + 1)]
-    if not places:
+    if not places:  # a joint of two hallways is in the way
+        width = min(width, DOOR)
         places = [x for x in range(low, high - width + 1) if beside.at(x, x + width)]
     usual = rng.random() if share is None else share
     if high - low >= 80 or width >= 14:
@@ -121,10 +127,19 @@ def door_to(
     return Gap(0, at, start, start + width, (room, hallway))
 
 
-def _add_bath(part: Draft, room: Room, cell: Cell, rng: np.random.Generator) -> tuple[int, int]:
+def _has_door(beside: Beside, low: int, high: int) -> bool:
+    """Return whether a stretch of the corridor's side has a place for a door."""
+    return any(beside.at(x, x + DOOR) for x in range(low, high - DOOR + 1))
+
+
+def _add_bath(part: Draft, room: Room, cell: Cell, beside: Beside, rng: np.random.Generator) -> tuple[int, int]:
     """Cut a bathroom out of a room's corner at the corridor; return the rest of the corridor's side (dm)."""
     width, depth = draw(rng, BATH), draw(rng, BATH_DEPTH)
     left = rng.random() < 0.5
+    if not _has_door(beside, *((cell.x0 + width, cell.x1) if left else (cell.x0, cell.x1 - width))):
+        left = not left
+        if not _has_door(beside, *((cell.x0 + width, cell.x1) if left else (cell.x0, cell.x1 - width))):
+            return cell.x0, cell.x1
     x0, x1, y = cell.x0, cell.x1, cell.front + depth
     low, high = (x0 + width, x1) if left else (x0, x1 - width)
     room.boxes, room.axis = [(low, cell.front, high, y), (x0, y, x1, cell.depth)], 1

@@ -110,7 +110,7 @@ def _places(length: int, width: int, rng: np.random.Generator) -> list[tuple[int
     count = max(2, round(length / draw(rng, BETWEEN))) if loop else 1
     slots = np.linspace(0, length - width, count) if count > 1 else [rng.choice([0, (length - width) / 2])]
     inset = rng.random() < 0.5
-    places = []
+    places: list[tuple[int, int]] = []
     for i, slot in enumerate(slots):
         x = int(slot)
         if 0 < i < len(slots) - 1 or count == 1:
