@@ -49,7 +49,7 @@ def generate(
 def gallery(
     out: Annotated[Path, typer.Option(help="Picture to draw (.png).")] = Path("worlds.png"),
     seed: Annotated[int, typer.Option(min=0, help="Number of the first world of each kind.")] = 0,
-    size: Size = 60,
+    size: Size = 80,
     json: Json = False,
 ) -> int:
     """Draw worlds of every kind side by side."""

@@ -135,11 +135,14 @@ def _build_ends(
     rng: np.random.Generator,
 ) -> list[Gap]:
     """Add rooms at ends of corridors; return where doors could lead outside, one of them at the first corridor."""
-    entrances = []
+    entrances: list[Gap] = []
     for number, corridor in enumerate(skeleton.corridors):
         for x, sign in ((0, -1), (corridor.length, 1)):
             stretch = hallways.stretches[number][0 if sign < 0 else -1][2]
-            plans = [plan for plan in program.ends if plan.type == "lobby" or (number, sign) != (0, -1)]
+            has_lobby = any(gap.rooms[0].type == "lobby" for gap in entrances)
+            plans = [plan for plan in program.ends if not has_lobby or plan.type != "lobby"]
+            if (number, sign) == (0, -1):
+                plans = [plan for plan in plans if plan.type == "lobby"]
             if plans and rng.random() < often:
                 plan = plans[int(rng.integers(len(plans)))]
                 room = Room(plan.type, [_end_box(plan, x, sign, corridor, rng)], title=plan.title)

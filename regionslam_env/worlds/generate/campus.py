@@ -56,8 +56,8 @@ class _Site:
 
 def draw_campus(rooms: int, options: WorldOptions, rng: np.random.Generator) -> Draft:
     """Return buildings with about so many rooms in all, along one or more parallel paths."""
-    each = draw(rng, (4, 14)) * max(1.0, (rooms / 80) ** 0.3)
-    count = max(1, round(rooms / each))
+    each = draw(rng, (4, 12)) * max(1.0, (rooms / 80) ** 0.3)
+    count = max(2 if rooms > 2 else 1, round(rooms / each))
     shares = rng.dirichlet(np.full(count, 4.0)) * rooms
     sites = []
     for number, share in enumerate(shares):
