@@ -77,7 +77,7 @@ def test_rooms_do_not_overlap_and_furniture_stands_in_its_room(world):
 def test_doors_open_the_walls_between_their_two_rooms(world):
     for door in world.doors:
         middle = np.array([(door.x0 + door.x1) / 2, (door.y0 + door.y1) / 2])
-        assert np.hypot(door.x1 - door.x0, door.y1 - door.y0) >= 0.8 - 1e-9
+        assert np.hypot(door.x1 - door.x0, door.y1 - door.y0) >= 0.9 - 1e-9
         assert {link.target for link in world.links_of(door.id)} == set(door.regions)
         for link in world.links_of(door.id):
             name, distance = distance_to_edges(world.region(link.target).row, *middle)
@@ -85,7 +85,7 @@ def test_doors_open_the_walls_between_their_two_rooms(world):
         start, along = world.walls[:, :2], world.walls[:, 2:] - world.walls[:, :2]
         length = np.hypot(*along.T)
         share = np.clip(((middle - start) * along).sum(axis=1) / length**2, 0, 1)
-        assert np.hypot(*(start + share[:, None] * along - middle).T).min() >= 0.4 - 1e-9
+        assert np.hypot(*(start + share[:, None] * along - middle).T).min() >= 0.45 - 1e-9
 
 
 @several
