@@ -144,7 +144,7 @@ def _stack(length: int, missing: list[str], rng: np.random.Generator) -> list[tu
     kinds = list(missing)
     small = ["storage", "toilet"] if rng.random() < 0.7 else ["storage", "office"]
     kinds += ["bedroom", "bedroom", small[0], "bedroom", small[1], "bedroom", "bedroom"]
-    if not missing and rng.random() < 0.4:
+    if not missing and rng.random() < 0.25:
         kinds.insert(0, "storage")
     chosen: list[str] = []
     for kind in kinds:

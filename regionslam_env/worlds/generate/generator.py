@@ -55,7 +55,7 @@ def generate(kind: str, seed: int, options: WorldOptions | Mapping[str, Any] | N
         raise ConfigError(f"world seed is {seed!r}, expected a whole number of at least 0")
     wanted = from_dict(WorldOptions, options, "world_options")
     draft = _of_size(kind, int(seed), wanted)
-    rng = np.random.default_rng([int(seed), KINDS.index(kind), ATTEMPTS])
+    rng = _generator(kind, int(seed), ATTEMPTS)
     _trim(draft, wanted.size, rng)
     flips = rng.integers(0, 2, 3).tolist()
     draft.transform(Turn(*map(bool, flips)))
@@ -65,12 +65,16 @@ def generate(kind: str, seed: int, options: WorldOptions | Mapping[str, Any] | N
     return raise_world(f"{kind} {seed}", draft)
 
 
+def _generator(kind: str, seed: int, purpose: int) -> np.random.Generator:
+    """Return the generator of a world's attempt, or of what comes after all attempts: none shares its numbers."""
+    return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(KINDS.index(kind), purpose)))
+
+
 def _of_size(kind: str, seed: int, options: WorldOptions) -> Draft:
     """Return a draft with as many regions as wished, or a few pieces of furniture more, if that can be."""
     rooms, best = options.size / (2.3 + 2.2 * options.clutter), None
     for attempt in range(ATTEMPTS):
-        rng = np.random.default_rng([seed, KINDS.index(kind), attempt])
-        draft = _draw(kind, max(1, round(rooms)), options, rng)
+        draft = _draw(kind, max(1, round(rooms)), options, _generator(kind, seed, attempt))
         missed = draft.size - options.size
         surplus = missed - len(draft.items) // (8 if options.size > 12 else 1)  # can be left out unnoticed
         error = -missed if missed < 0 else max(0, surplus)

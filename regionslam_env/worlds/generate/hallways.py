@@ -37,10 +37,6 @@ class Hallways:
         """Return the hallway of a main corridor that has all of x0 to x1 (dm)."""
         return next(room for low, high, room in self.stretches[corridor] if low <= x0 and x1 <= high)
 
-    def cuts(self, corridor: int) -> list[int]:
-        """Return where a main corridor's hallways join, dm."""
-        return [high for _, high, _ in self.stretches[corridor][:-1]]
-
 
 def draw_hallways(skeleton: Skeleton, draft: Draft, rng: np.random.Generator) -> Hallways:
     """Add the hallways of a skeleton and the gaps between them to a draft."""
@@ -109,8 +105,7 @@ def _stretches(
     start, end, boxes = 0, 0, 0
     members: list[int] = []
     for x0, x1, held in columns:
-        needed = (x0 > end) + 1
-        if members and (boxes + needed + (x1 < length) > 3 or x1 - start > longest):
+        if members and (boxes + (x0 > end) + 1 + (x1 < length) > 3 or x1 - start > longest):
             if _blocked(end, near):
                 continue
             result.append((start, end, members))

@@ -153,7 +153,7 @@ PROGRAMS: Mapping[str, Program] = {
         rooms=(
             RoomPlan("living room", (72, 86), share=2.0, layout="flat"),
             RoomPlan("living room", (86, 116), share=3.0, layout="flat"),
-            RoomPlan("living room", (48, 60), share=1.0, layout="flat"),
+            RoomPlan("living room", (48, 60), share=0.5, layout="flat"),
             RoomPlan("stairs", (28, 34), every=10, door=10, depth=54),
             RoomPlan("elevator", (20, 24), every=16, door=10, depth=24),
             RoomPlan("storage", (22, 34), every=10, layout="shelves", depth=40),
