@@ -1,4 +1,4 @@
-"""Commands that measure: `regionslam benchmark env | filter | tour | accuracy | robustness`, one function each."""
+"""Commands that measure: `regionslam benchmark env | filter | tour | accuracy | robustness | worlds`."""
 
 from __future__ import annotations
 
@@ -154,6 +154,24 @@ def robustness(
         figures = [f"{k} {_figure(v['median'])} / {_figure(v['worst'])}" for k, v in row["figures"].items()]
         say.print(f"{row['scenario']} ({row['passed']} of {seeds}): {', '.join(figures)}")
     return _done({"seeds": seeds, "scenarios": rows, "runs": runs}, json)
+
+
+@app.command()
+def worlds(
+    count: Annotated[int, typer.Option("--worlds", min=1, help="Worlds of each kind.")] = 100,
+    size: Annotated[int, typer.Option(min=5, max=10_000, help="Regions of each, about.")] = 30,
+    kind: Annotated[list[str] | None, typer.Option(help="Only this kind; may be repeated.")] = None,
+    json: Json = False,
+) -> int:
+    """Time the generation of worlds; check that each is valid, connected, and free to start and to arrive in."""
+    from agents.world_benchmark import benchmark_worlds
+    from regionslam_env.errors import unknown
+    from regionslam_env.worlds.generate.generator import KINDS
+
+    for name in kind or ():
+        if name not in KINDS:
+            raise InputError(unknown("kind of world", name, KINDS))
+    return _done(benchmark_worlds(count, size, kind or KINDS, console().print), json)
 
 
 def _done(result: dict[str, Any], json: bool) -> int:

@@ -76,7 +76,9 @@ def evaluate(
     env: Annotated[str | None, typer.Option(help="Id of an environment; by default the one trained on.")] = None,
     episodes: Annotated[int, typer.Option(min=1, help="Number of episodes.")] = 20,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the first episode; the next ones follow.")] = 0,
-    world: Annotated[str | None, typer.Option(help="A built-in world or the file of one.")] = None,
+    world: Annotated[
+        str | None, typer.Option(help="A built-in world, a kind such as office, or the file of one.")
+    ] = None,
     goal: Annotated[str | None, typer.Option(help="Semantic type to go to; by default one drawn per episode.")] = None,
     split: Annotated[str | None, typer.Option(help="train, val or test: disjoint seeds.")] = None,
     localization: Annotated[str | None, typer.Option(help="slam, oracle or odometry.")] = None,
@@ -118,7 +120,9 @@ def train(
     out: Annotated[Path, typer.Option(help="File of the model; logs go beside it.")] = Path("runs/ppo.zip"),
     n_envs: Annotated[int, typer.Option("--envs", min=1, help="Environments side by side.")] = 1,
     checkpoint_every: Annotated[int, typer.Option(min=1, help="Steps between checkpoints.")] = 50_000,
-    world: Annotated[str | None, typer.Option(help="A built-in world or the file of one.")] = None,
+    world: Annotated[
+        str | None, typer.Option(help="A built-in world, a kind such as office, or the file of one.")
+    ] = None,
     goal: Annotated[str | None, typer.Option(help="Semantic type to go to; by default one drawn per episode.")] = None,
     json: Json = False,
 ) -> int:

@@ -10,7 +10,7 @@ import typer
 from agents.console import InputError
 
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object as the last line.")]
-WorldName = Annotated[str, typer.Option("--world", help="A built-in world or the file of one.")]
+WorldName = Annotated[str, typer.Option("--world", help="A built-in world, a kind such as office, or the file of one.")]
 Particles = Annotated[int, typer.Option("--particles", min=1, help="Particles of the filter.")]
 Noise = Annotated[str, typer.Option("--noise", help="Noise set: standard, heavy or none.")]
 Occlusion = Annotated[bool, typer.Option(help="Whether walls hide regions.")]

@@ -15,7 +15,7 @@ from agents.evaluate import plain, scripted_agent
 from agents.recorder import Recorder
 from regionslam_env.config import SEMANTIC_TYPES
 from regionslam_env.missions.language import parse
-from regionslam_env.worlds.loading import load
+from regionslam_env.worlds.source import WorldSource
 from regionslam_env.worlds.world import World
 from slam.storage import replacing, save_map
 
@@ -49,9 +49,9 @@ class RunSettings:
     mission
         In words, e.g. "go to the hallway".
     world
-        Built-in name or file.
+        Built-in name, kind or file.
     seed
-        Of the episode: start, sensor noise and filter.
+        Of the episode: start, sensor noise and filter; of a kind also the number of the world.
     start_distance
         Geodesic distance of the start from the goal, m; None draws any start.
     out
@@ -87,7 +87,7 @@ def run_mission(settings: RunSettings, tell: Callable[[Moment], None] = lambda m
         For a mission, world or option that cannot be used, before anything has been driven or written.
     """
     began = time.perf_counter()
-    world = load(settings.world)
+    world = WorldSource(settings.world).world(settings.seed)
     env = make_environment(settings, world)
     try:
         observation, _ = env.reset(seed=settings.seed)

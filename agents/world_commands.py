@@ -1,4 +1,4 @@
-"""Commands about worlds: list, show, import, validate."""
+"""Commands about worlds: list, show, import, validate, generate, gallery."""
 
 from __future__ import annotations
 
@@ -14,18 +14,22 @@ import typer
 from rich.table import Table
 
 from agents.console import DONE, InputError, console, print_json
+from agents.generation_commands import gallery, generate
 from agents.options import Json
 
 if TYPE_CHECKING:
     from regionslam_env.worlds.world import World
     from slam.rows import Row
 
-app = typer.Typer(help="List, show, import and check worlds.", no_args_is_help=True, rich_markup_mode=None)
+app = typer.Typer(help="List, show, import, generate and check worlds.", no_args_is_help=True, rich_markup_mode=None)
+app.command()(generate)
+app.command()(gallery)
 
 
 @app.command("list")
 def list_worlds(json: Json = False) -> int:
-    """List the built-in worlds."""
+    """List the built-in worlds, and the kinds that can be generated."""
+    from regionslam_env.worlds.generate.generator import KINDS
     from regionslam_env.worlds.loading import builtin_names, load
 
     facts = [_facts(load(name)) for name in builtin_names()]
@@ -37,21 +41,23 @@ def list_worlds(json: Json = False) -> int:
             world["name"], str(world["regions"]), str(world["doors"]), "{:.0f} x {:.0f}".format(*world["size"])
         )
     console().print(table)
+    console().print(f"Kinds to generate: {', '.join(KINDS)}")
     if json:
-        print_json({"worlds": facts})
+        print_json({"worlds": facts, "kinds": list(KINDS)})
     return DONE
 
 
 @app.command()
 def show(
-    world: Annotated[str, typer.Argument(help="A built-in world or the file of one.")],
+    world: Annotated[str, typer.Argument(help="A built-in world, a kind such as office, or the file of one.")],
+    seed: Annotated[int, typer.Option(min=0, help="Number of the world, for a kind.")] = 0,
     out: Annotated[Path | None, typer.Option(help="Picture to draw (.png).")] = None,
     json: Json = False,
 ) -> int:
     """Describe a world and draw it."""
-    from regionslam_env.worlds.loading import load
+    from regionslam_env.worlds.source import WorldSource
 
-    truth = load(world)
+    truth = WorldSource(world).world(seed)
     facts = _facts(truth)
     say = console()
     say.print(

@@ -10,7 +10,7 @@ from regionslam_env.errors import ConfigError, unknown
 
 T = TypeVar("T")
 
-OPTIONS = ("goal", "start")
+OPTIONS = ("goal", "start", "world_seed")
 """What `reset(options=...)` takes."""
 
 ROBOTS: Mapping[str, RobotConfig] = {"standard": RobotConfig()}
@@ -38,9 +38,9 @@ def robot_config(robot: str | Mapping[str, Any] | RobotConfig) -> RobotConfig:
     return from_dict(RobotConfig, robot, "robot")
 
 
-def read_options(options: Mapping[str, Any] | None) -> tuple[str | None, Sequence[float] | None]:
-    """Return goal and start pose of `reset(options=...)`; `ConfigError` for an unknown option."""
+def read_options(options: Mapping[str, Any] | None) -> tuple[str | None, Sequence[float] | None, int | None]:
+    """Return goal, start pose and world seed of `reset(options=...)`; `ConfigError` for an unknown option."""
     options = options or {}
     for name in options:
         one_of("option of reset", name, OPTIONS)
-    return options.get("goal"), options.get("start")
+    return options.get("goal"), options.get("start"), options.get("world_seed")

@@ -32,10 +32,16 @@ SEMANTIC_TYPES = (
     "elevator",
     "entrance",
     "service room",
+    "living room",
+    "bedroom",
+    "ward",
+    "outdoor",
     "door",
     "desk",
     "cupboard",
     "table",
+    "bed",
+    "sofa",
     "other",
 )
 """Semantic types that an observation can tell apart. The filter's are free text: an unlisted one counts as the last."""

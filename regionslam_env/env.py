@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from functools import lru_cache
+from functools import lru_cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -23,12 +23,14 @@ from regionslam_env.sensors.lidar import Lidar
 from regionslam_env.sensors.odometry import OdometrySensor
 from regionslam_env.sensors.region_sensor import RegionSensor
 from regionslam_env.simulation.physics import Simulation
+from regionslam_env.tasks.drawing import MissionSource
 from regionslam_env.tasks.episode import Episode
 from regionslam_env.tasks.metrics import MAP_METRICS
 from regionslam_env.tasks.rewards import RewardConfig, goto_reward, reward_set
 from regionslam_env.tasks.task import MIN_START_DISTANCE, GoToTask
+from regionslam_env.worlds.generate.options import WorldOptions
 from regionslam_env.worlds.geodesic import Geodesic
-from regionslam_env.worlds.loading import load
+from regionslam_env.worlds.source import SPLITS, WorldSource
 from regionslam_env.worlds.world import World
 from slam.belief import Belief
 from slam.config import SlamConfig
@@ -40,9 +42,6 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 Info = dict[str, Any]
-
-SPLITS = ("train", "val", "test")
-"""Disjoint seeds: one and the same seed gives other missions and other noise in each."""
 
 
 class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
@@ -63,7 +62,7 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
     ## Observation Space
 
-    A `Dict`; lengths are clipped to 1000 m, and S = 32 (`max_regions`), T = 18 (`semantic_types`). Tables are flattened
+    A `Dict`; lengths are clipped to 1000 m, and S = 32 (`max_regions`), T = 24 (`semantic_types`). Tables are flattened
     row by row; `regionslam_env.region_table` and `link_table` give back the rows, `RegionColumn` and `LinkColumn` name
     the columns.
 
@@ -72,12 +71,12 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     | pose | Box | (4,) | mean x, y (m), cos and sin of the heading, in the map frame: the start pose is its origin |
     | pose_cov | Box | (9,) | covariance of x, y (m), heading (rad), row by row |
     | velocity | Box | (2,) | forward speed (m/s) and turn rate (rad/s) by odometry |
-    | regions | Box | (1408,) | S rows of 26 + T: geometry in the robot's frame, open edges, probabilities |
+    | regions | Box | (1600,) | S rows of 26 + T: geometry in the robot's frame, open edges, probabilities |
     | regions_mask | MultiBinary | (32,) | which rows hold a region; a region keeps its row until it is evicted |
     | links | Box | (512,) | 4 S rows, strongest first: row, row, probability, kind (0 passage, 1 second in first) |
     | links_mask | MultiBinary | (128,) | which rows hold a link |
     | lidar | Box | (180,) | distance (m) along rays all around, counter-clockwise from straight back |
-    | goal | Box | (18,) | one-hot over the T semantic types |
+    | goal | Box | (24,) | one-hot over the T semantic types |
     | progress | Box | (2,) | share of the episode's steps that has passed, 1 once arrival is declared |
 
     ## Rewards
@@ -110,8 +109,9 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
     | Argument | Default | Meaning |
     | --- | --- | --- |
-    | world | "institute" | name of a built-in floor, path of a world file, or a `World` |
-    | split | "train" | "train", "val" or "test": disjoint seeds |
+    | world | "institute" | a built-in floor, the path of a world file, a `World`, or a kind (below) |
+    | world_options | None | of a kind's worlds: keys of `WorldOptions` (`size`, `clutter`, `ambiguity`) |
+    | split | "train" | "train", "val" or "test": disjoint seeds of worlds, missions and noise |
     | localization | "slam" | "slam", "oracle" (true pose) or "odometry" (dead reckoning); same seed, same noise |
     | arrival | "stay" | "stay" or "declare" |
     | goal | None | semantic type to go to in every episode; None draws one |
@@ -129,6 +129,9 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     | reveal_truth | False | puts the true pose and distance into `info["truth"]` |
     | render_mode | None | "rgb_array" or "ansi"; with `gymnasium.make` also "human", a window |
 
+    With the kind of world "office", "apartment", "school", "hospital" or "campus", every reset draws a new one, whose
+    number is in `info["world_seed"]`; `reset(options={"world_seed": 3})` enters a certain one of the split.
+
     ## Version History
 
     * v0: first version.
@@ -143,6 +146,7 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         self,
         *,
         world: str | Path | World = "institute",
+        world_options: Mapping[str, Any] | WorldOptions | None = None,
         split: str = "train",
         localization: Localization = "slam",
         arrival: Arrival = "stay",
@@ -175,22 +179,18 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         self.semantic_types = observed_types(semantic_types)
         self.reveal_truth, self.render_mode = reveal_truth, render_mode
 
-        self.world = load(world)
-        self.simulation = Simulation(self.world, self.robot)
-        idle, arrays = np.random.default_rng(0), self.world.arrays
-        self._odometry_sensor = OdometrySensor(self.noise, idle)
-        self._lidar = Lidar(self.sensors, self.noise, arrays, idle)
-        self._region_sensor = RegionSensor(self.sensors, self.noise, arrays, idle)
         self._localizer = Localizer(self.localization, self._slam_config(n_particles))
-        self.task = GoToTask(
-            self.world,
-            _geodesic(self.world, self.robot.radius),
-            self.semantic_types,
-            self.robot.step,
-            self.arrival == "declare",
-            goal,
-            start_distance,
+        task_in = partial(
+            _task_in,
+            radius=self.robot.radius,
+            types=self.semantic_types,
+            step=self.robot.step,
+            declares=self.arrival == "declare",
+            start_distance=start_distance,
         )
+        worlds = WorldSource(world, world_options, self._split)
+        self._missions = MissionSource(worlds, task_in, goal, self.semantic_types)
+        self._enter(self._missions.task)
         self._observer = Observer(
             self.semantic_types, n_slots, self.robot, self.sensors.n_lidar_rays, self.sensors.lidar_range
         )
@@ -208,7 +208,8 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         seed
             Of every random number to come; the same one gives the same episodes.
         options
-            ``goal``: semantic type to go to; ``start``: true pose (x, y, theta) in the world frame, m and rad.
+            ``goal``: semantic type to go to; ``start``: true pose (x, y, theta) in the world frame, m and rad;
+            ``world_seed``: number of the world to enter, for an environment with a kind of worlds.
 
         Raises
         ------
@@ -216,9 +217,11 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             For an unknown option or goal, a start that is not free, or a goal that cannot be reached from it.
         """
         super().reset(seed=seed)
-        goal, start = read_options(options)
-        mission_rng, odometry_rng, lidar_rng, region_rng, filter_rng = self._generators()
-        self.mission = self.task.draw(mission_rng, goal, start)
+        goal, start, number = read_options(options)
+        mission_rng, odometry_rng, lidar_rng, region_rng, filter_rng, world_rng = self._generators()
+        self.mission, number = self._missions.draw(mission_rng, world_rng, goal, start, number)
+        if self._missions.task is not self.task:
+            self._enter(self._missions.task)
         self.simulation.reset(*self.mission.start)
         self._odometry_sensor.reset(odometry_rng)
         self._lidar.reset(lidar_rng)
@@ -234,9 +237,20 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         self._perceive(standing, pose, self._episode.in_map(pose))
         observation = self._observe(standing, 0.0)
         info: Info = {"mission": self.mission_text}
+        if number is not None:
+            info["world_seed"] = number
         if self.reveal_truth:
             info["truth"] = self._truth()
         return observation, info
+
+    def _enter(self, task: GoToTask) -> None:
+        """Put robot and sensors into a task's world."""
+        self.task, self.world = task, task.world
+        self.simulation = Simulation(self.world, self.robot)
+        idle, arrays = np.random.default_rng(0), self.world.arrays
+        self._odometry_sensor = OdometrySensor(self.noise, idle)
+        self._lidar = Lidar(self.sensors, self.noise, arrays, idle)
+        self._region_sensor = RegionSensor(self.sensors, self.noise, arrays, idle)
 
     def step(self, action: ArrayLike) -> tuple[Observation, float, bool, bool, Info]:
         """Drive for one step, measure, update the belief, and judge what happened.
@@ -323,14 +337,14 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         return self.__dict__ | {"_renderer": None}
 
     def _generators(self) -> list[np.random.Generator]:
-        """Return the episode's own generators: of the mission, of every sensor, and of the filter.
+        """Return the episode's own generators: of the mission, of every sensor, of the filter, and of the world.
 
         Each is spawned from the episode's seed, so that none depends on how much another one draws: the rungs of the
         ladder and the noise sets share world, mission and start.
         """
         seed = int(self.np_random.integers(2**63, dtype=np.uint64))
         sequence = np.random.SeedSequence([seed, SPLITS.index(self._split)])
-        return [np.random.default_rng(child) for child in sequence.spawn(5)]
+        return [np.random.default_rng(child) for child in sequence.spawn(6)]
 
     def _slam_config(self, n_particles: int) -> SlamConfig:
         particles = n_particles if self.localization == "slam" else 1
@@ -395,6 +409,11 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             driven=self.simulation.path_length,
         )
         return self._renderer.frame(snapshot)
+
+
+def _task_in(world: World, radius: float, **kwargs: Any) -> GoToTask:
+    """Return the task in a world for a robot of a radius, m."""
+    return GoToTask(world, _geodesic(world, radius), **kwargs)
 
 
 @lru_cache(maxsize=8)

@@ -45,8 +45,13 @@ SYNONYMS = {
     "elevator": ("lift",),
     "entrance": ("entry", "exit", "entrance hall"),
     "service room": ("utility room", "technical room", "machine room"),
+    "living room": ("lounge", "sitting room", "parlour"),
+    "bedroom": ("bed room", "sleeping room"),
+    "ward": ("sickroom", "patient room", "hospital room"),
+    "outdoor": ("outdoors", "outside", "path"),
     "door": ("doorway",),
     "cupboard": ("cabinet", "shelf", "wardrobe"),
+    "sofa": ("couch", "settee"),
 }
 """Everyday words for the types of the default vocabulary."""
 

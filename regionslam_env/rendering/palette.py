@@ -40,10 +40,16 @@ _TYPES: dict[str, str] = {
     "elevator": "#9ca8b8",
     "entrance": "#eeb0c6",
     "service room": "#c6c49c",
+    "living room": "#bfe3a0",
+    "bedroom": "#9aa9e0",
+    "ward": "#88b6c9",
+    "outdoor": "#cfe0b8",
     "door": "#d9694f",
     "desk": "#a98d6c",
     "cupboard": "#857360",
     "table": "#bb9264",
+    "bed": "#8f7fb5",
+    "sofa": "#b0687f",
     "other": "#d6d8db",
 }
 

@@ -111,12 +111,16 @@ def distance_to_edges(row: Row, x: float, y: float) -> tuple[str, float]:
         candidates.append((float(np.hypot(gap, across - row.b[i])), "b" + suffix))
     for k in range(row.n + 1):
         touching = [i for i in (k - 1, k) if 0 <= i < row.n]
-        low, high = min(row.b[i] for i in touching), max(row.t[i] for i in touching)
-        gap = max(low - across, across - high, 0.0)
-        name = ("l" if row.main == 0 else "ll") if k == 0 else ("r" if row.main == row.n - 1 else "rr")
-        if len(touching) == 2:
+        bottoms, tops = [row.b[i] for i in touching], [row.t[i] for i in touching]
+        if len(touching) == 1:
+            name = ("l" if row.main == 0 else "ll") if k == 0 else ("r" if row.main == row.n - 1 else "rr")
+            spans = [(bottoms[0], tops[0])]
+        else:
             name = "l" if k <= row.main else "r"
-        candidates.append((float(np.hypot(gap, along - row.u[k])), name))
+            spans = [(min(ends), max(ends)) for ends in (bottoms, tops) if min(ends) < max(ends)]
+        for low, high in spans:
+            gap = max(low - across, across - high, 0.0)
+            candidates.append((float(np.hypot(gap, along - row.u[k])), name))
     distance, name = min(candidates, key=lambda candidate: round(candidate[0], 9))
     return name, distance
 

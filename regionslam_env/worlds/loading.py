@@ -8,6 +8,7 @@ from pathlib import Path
 
 from regionslam_env.errors import WorldError, unknown
 from regionslam_env.worlds.format import load_world
+from regionslam_env.worlds.generate.generator import KINDS
 from regionslam_env.worlds.importers.luperto import load_luperto
 from regionslam_env.worlds.world import World
 
@@ -51,7 +52,7 @@ def load(world: str | Path | World, scale: float | None = None) -> World:
     if not found:
         if suffix in SUFFIXES or len(path.parts) > 1:
             raise WorldError(f"{path}: no such file, expected a world file ({', '.join(SUFFIXES)}) or a built-in name")
-        raise WorldError(unknown("world", name, builtin_names()))
+        raise WorldError(unknown("world", name, (*builtin_names(), *KINDS)))
     if suffix not in SUFFIXES:
         raise WorldError(f"{path}: ending {suffix!r}, expected one of {', '.join(SUFFIXES)}")
     status = path.stat()
