@@ -125,6 +125,11 @@ def read_json(path: Path) -> Any:
         raise WorldError(f"{path}: cannot be read: {error.strerror or error}") from None
     except UnicodeDecodeError as error:
         raise WorldError(f"{path}: byte {error.start} is not UTF-8, expected text in UTF-8") from None
+    return parse_json(path, text)
+
+
+def parse_json(path: Path, text: str) -> Any:
+    """Return the JSON value of a file's text; `WorldError` where there is none."""
     if not text.strip():
         raise WorldError(f"{path}: is empty, expected a GeoJSON FeatureCollection")
     try:
