@@ -81,7 +81,7 @@ def missing_doors(layout: Layout, openings: Sequence[Opening], circulation: Sequ
     """
     borders = {}
     for a, b in adjacent(layout):
-        stretches = list(shared_borders(layout.outlines[a], layout.outlines[b]))
+        stretches = list(shared_borders(layout.outlines[a], layout.outlines[b])) or _around(layout, a, b)
         longest = max(stretches, key=lambda s: float(np.hypot(*(s[1] - s[0]))), default=None)
         if longest is not None and np.hypot(*(longest[1] - longest[0])) >= ROOM_FOR_A_DOOR:
             borders[a, b] = longest
@@ -99,10 +99,21 @@ def missing_doors(layout: Layout, openings: Sequence[Opening], circulation: Sequ
                 continue
             start, end, _ = borders[pair]
             middle = (start + end) / 2
-            portals.append(Portal(float(middle[0]), float(middle[1]), pair))
+            direction = float(np.arctan2(*(end - start)[::-1]))
+            portals.append(Portal(float(middle[0]), float(middle[1]), pair, direction=direction))
             old, new = groups[a], groups[b]
             groups = {room: new if group == old else group for room, group in groups.items()}
     return portals
+
+
+def _around(layout: Layout, a: str, b: str) -> list[tuple[Floats, Floats, float]]:
+    """Return the sides of a room that lies inside another one."""
+    shapes = {name: shapely.Polygon(layout.outlines[name]) for name in (a, b)}
+    for inner, outer in ((a, b), (b, a)):
+        if shapes[outer].contains(shapes[inner]):
+            ring = layout.outlines[inner]
+            return [(start, end, 0.0) for start, end in zip(ring, np.roll(ring, -1, axis=0), strict=True)]
+    return []
 
 
 def components(rooms: Sequence[str], joined: Iterable[Sequence[str]]) -> dict[str, int]:

@@ -128,6 +128,18 @@ def read_json(path: Path) -> Any:
     return parse_json(path, text)
 
 
+def is_native(path: Path) -> bool:
+    """Return whether a JSON file can only be one of our format: some feature has a `kind`, or it has no features."""
+    if path.is_dir() or path.suffix.lower() not in (".geojson", ".json"):
+        return False
+    data = read_json(path)
+    features = data.get("features") if isinstance(data, dict) else None
+    if not isinstance(features, list):
+        return False
+    properties = [f.get("properties") for f in features if isinstance(f, dict)]
+    return any(isinstance(p, dict) and p.get("kind") in KINDS for p in properties) or not properties
+
+
 def parse_json(path: Path, text: str) -> Any:
     """Return the JSON value of a file's text; `WorldError` where there is none."""
     if not text.strip():

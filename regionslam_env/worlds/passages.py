@@ -80,16 +80,20 @@ def straight_opening(
 ) -> Opening | None:
     """Return an opening at a point, along a direction (rad), as deep as the borders within its width are apart.
 
-    None where one of the two outlines does not come within `FARTHEST` of the point, or that of a third room does.
+    A room around the other one has no border there. None where one of the two outlines does not come within `FARTHEST`
+    of the point for another reason, or that of a third room does.
     """
     along, middle = np.array([np.cos(direction), np.sin(direction)]), np.array(point)
     across = np.array([-along[1], along[0]])
     half, reach = along * (width / 2 - 0.01), across * FARTHEST
     box = shapely.Polygon([middle - half - reach, middle + half - reach, middle + half + reach, middle - half + reach])
     inside = [shapely.LinearRing(outline).intersection(box) for outline in outlines]
-    if any(line.is_empty for line in inside):
+    around = [shapely.Polygon(outline).contains(shapely.Point(point)) for outline in outlines]
+    if any(line.is_empty and not contains for line, contains in zip(inside, around, strict=True)):
         return None
-    spans = [np.sort((shapely.get_coordinates(line) - middle) @ across) for line in inside]
+    spans = [np.sort((shapely.get_coordinates(line) - middle) @ across) for line in inside if not line.is_empty]
+    if not spans:
+        return None
     nearest = [span[np.argsort(np.abs(span))[:2]] for span in spans]
     low, high = min(map(np.min, nearest)), max(map(np.max, nearest))
     centre, depth = middle + across * (low + high) / 2, DOOR_DEPTH + float(high - low)

@@ -95,7 +95,9 @@ def read(source: Source, options: ImportOptions) -> Drawing:
     categories = {f.id: f.name for f in by_kind["category"]}
     rooms = by_kind["unit"] + by_kind["verticalpenetration"]
     names = _level_names(by_kind["level"], rooms)
-    level = choose(list(names.values()), [names.get(f.level, "") for f in rooms], options.level, source.path)
+    ground = [names[f.id] for f in by_kind["level"] if f.properties.number_of("ordinal", 1) == 0]
+    counted = [names[f.level] for f in rooms]
+    level = choose(list(names.values()), counted, options.level, source.path, ground[0] if ground else None)
     shapes = {f.id: polygons_of(f.node["geometry"]) for f in rooms if f.node.get("geometry")}
     plane = origin_of([p for parts in shapes.values() for rings in parts for ring in rings for p in ring], source.path)
     drawing = Drawing(source.path.stem, level, tuple(names.values()))

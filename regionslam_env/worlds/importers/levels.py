@@ -8,8 +8,10 @@ from collections.abc import Iterable, Sequence
 from regionslam_env.errors import WorldError, unknown
 
 
-def choose(levels: Sequence[str], rooms: Iterable[str], wanted: str | None, file: object) -> str:
-    """Return the level that is wanted, by default the one with the most rooms.
+def choose(
+    levels: Sequence[str], rooms: Iterable[str], wanted: str | None, file: object, ground: str | None = None
+) -> str:
+    """Return the level that is wanted, by default the one with the most rooms, and the ground floor among equals.
 
     Parameters
     ----------
@@ -21,6 +23,8 @@ def choose(levels: Sequence[str], rooms: Iterable[str], wanted: str | None, file
         Name of a level, None for the default.
     file
         For the error.
+    ground
+        Name of the ground floor; default: the lowest.
     """
     if wanted is not None:
         if wanted not in levels:
@@ -29,4 +33,4 @@ def choose(levels: Sequence[str], rooms: Iterable[str], wanted: str | None, file
     counts = Counter(rooms)
     if not levels:
         raise WorldError(f"{file}: no level with a room")
-    return max(levels, key=lambda level: (counts[level], -levels.index(level)))
+    return max(levels, key=lambda level: (counts[level], level == ground, -levels.index(level)))

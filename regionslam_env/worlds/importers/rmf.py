@@ -18,14 +18,17 @@ from regionslam_env.errors import WorldError
 from regionslam_env.worlds.importers.drawing import Drawing, DrawnDoor, cleaned
 from regionslam_env.worlds.importers.levels import choose
 from regionslam_env.worlds.importers.node import Node
-from regionslam_env.worlds.importers.realise import ImportOptions
-from regionslam_env.worlds.importers.rooms import enclosed
+from regionslam_env.worlds.importers.realise import CIRCULATION, ImportOptions
+from regionslam_env.worlds.importers.rooms import closings, enclosed
 from regionslam_env.worlds.importers.source import Source
 from regionslam_env.worlds.importers.vocabulary import OTHER, vocabulary
 from slam.rows import Floats
 
-CABIN = 0.4
-"""IoU of a room and a lift's cabin above which the room is the lift."""
+SHAFT = 3.5
+"""A space around a lift's cabin of at most so many times its area is the lift."""
+
+HALL = 5
+"""Doors from which on a room is a hallway, whatever the waypoints in it are called."""
 
 MOST_EDGES = 5000
 
@@ -74,8 +77,12 @@ def read(source: Source, options: ImportOptions) -> Drawing:
     walls = [shapely.LineString(level.edge(wall)) for wall in level.node.listed("walls")]
     if len(walls) > MOST_EDGES:
         raise WorldError(f"{source.path}: levels.{name}: {len(walls)} walls, expected at most {MOST_EDGES}")
-    doors = [shapely.LineString([(d.x0, d.y0), (d.x1, d.y1)]) for d in drawing.doors if d.width]
-    spaces = enclosed([*walls, *doors], [floor for floor in _floors(level) if not floor.is_empty])
+    doors = [shapely.LineString([(d.x0, d.y0), (d.x1, d.y1)]) for d in drawing.doors]
+    gaps = closings(walls, doors)
+    for gap in gaps:
+        (x0, y0), (x1, y1) = shapely.get_coordinates(gap).tolist()
+        drawing.doors.append(DrawnDoor(x0, y0, x1, y1, width=gap.length - 0.1, what="gap"))
+    spaces = enclosed([*walls, *doors, *gaps], [floor for floor in _floors(level) if not floor.is_empty])
     cabins = _cabins(root, level, factor, name, drawing)
     _add_rooms(drawing, level, spaces, cabins)
     count = sum(1 for _ in level.node.listed("models"))
@@ -175,14 +182,23 @@ def _cabin_centre(level: _Level, lift: str) -> Floats | None:
 def _add_rooms(
     drawing: Drawing, level: _Level, spaces: list[shapely.Polygon], cabins: list[tuple[str, shapely.Polygon]]
 ) -> None:
+    shafts = {}
     for key, cabin in cabins:
-        drawing.add_room(key, "lift", key, cabin)
-    shafts = shapely.union_all([cabin for _, cabin in cabins]) if cabins else shapely.Polygon()
+        around = [i for i, s in enumerate(spaces) if s.intersection(cabin).area > 0.7 * cabin.area]
+        if around and spaces[around[0]].area < SHAFT * cabin.area:
+            shafts[around[0]] = key
+        else:
+            drawing.add_room(key, "lift", key, cabin)
+    free = shapely.union_all([cabin for key, cabin in cabins if key not in shafts.values()])
     for i, space in enumerate(spaces):
-        outside = cleaned(space.difference(shafts)) if space.intersects(shafts) else space
-        if outside.area < (1 - CABIN) * space.area and outside.area < 12:  # the shaft around a cabin
+        if i in shafts:
+            drawing.add_room(shafts[i], "lift", shafts[i], space)
             continue
+        outside = cleaned(space.difference(free)) if space.intersects(free) else space
         label, name = _label(level, outside)
+        doors = sum(outside.distance(shapely.Point(door.middle)) < 0.3 for door in drawing.doors)
+        if doors >= HALL and vocabulary("rmf").type_of(label) not in CIRCULATION:
+            label, name = "hallway", None
         drawing.add_room(f"space {i + 1}", label, name, outside)
 
 
@@ -197,4 +213,4 @@ def _label(level: _Level, space: shapely.Polygon) -> tuple[str, str | None]:
     known = [name for name in named if words.type_of(name) != OTHER]
     plain = [name for name in known or named if not re.search("charger|patrol|clean|park", name)]
     best = min(plain, key=len, default=None)
-    return (best, best) if best else ("room", None)
+    return (best, best) if best else ("", None)

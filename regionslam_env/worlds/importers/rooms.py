@@ -10,6 +10,10 @@ import shapely
 import shapely.ops
 
 from regionslam_env.worlds.importers.drawing import cleaned, polygons
+from slam.rows import Floats
+
+ASIDE = 0.12
+"""How far (m) the next wall may lie beside the line of the wall before a gap."""
 
 THIN = 0.04
 """Width (m) that a wall without thickness takes up while rooms are looked for."""
@@ -45,6 +49,50 @@ def enclosed(
     free = space.difference(network.buffer(THIN / 2, cap_style="flat", join_style="mitre"))
     pieces = [piece for piece in polygons(free) if piece.buffer(-0.3).area > 0 and piece.area >= LEAST]
     return [cleaned(piece.buffer(THIN / 2, join_style="mitre")) for piece in pieces]
+
+
+def closings(
+    walls: Sequence[shapely.LineString],
+    doors: Sequence[shapely.LineString] = (),
+    widest: float = 2.2,
+    widest_aside: float = 1.5,
+) -> list[shapely.LineString]:
+    """Return what closes gaps in walls: straight on from the end of a wall to the next one.
+
+    Gaps are closed below a width (m), a smaller one where the next wall is not met at its end: that may be the other
+    side of a corridor. A wall that another or a door goes on from, within 20 degrees, has no gap there.
+    """
+    segments = np.array([shapely.get_coordinates(line)[[0, -1]].ravel() for line in (*walls, *doors)]).reshape(-1, 4)
+    lines = shapely.linestrings(segments.reshape(-1, 2, 2))
+    tree = shapely.STRtree(lines)
+    found: dict[tuple[tuple[float, ...], ...], shapely.LineString] = {}
+    for k in range(len(walls)):
+        for start, end in ((segments[k, :2], segments[k, 2:]), (segments[k, 2:], segments[k, :2])):
+            length = float(np.hypot(*(end - start)))
+            if length < 1e-6:
+                continue
+            along = (end - start) / length
+            near = tree.query(shapely.Point(end).buffer(EXTENSION), predicate="intersects")
+            if any(_goes_on(segments[j], end, along) for j in near if j != k):
+                continue
+            ray = shapely.LineString([end + 1.5 * EXTENSION * along, end + widest * along]).buffer(ASIDE, cap_style="flat")
+            hits = [ray.intersection(lines[j]) for j in tree.query(ray, predicate="intersects") if j != k]
+            if not hits:
+                continue
+            first = min(shapely.get_coordinates(hits), key=lambda p: float((p - end) @ along))
+            gap = float((first - end) @ along)
+            aside = np.hypot(*(segments.reshape(-1, 2) - first).T).min() > 2 * EXTENSION
+            if 2 * EXTENSION < gap < (widest_aside if aside else widest):
+                key = tuple(sorted(tuple(np.round(p, 1)) for p in (end, first)))
+                found.setdefault(key, shapely.LineString([end, first]))
+    return list(found.values())
+
+
+def _goes_on(segment: Floats, point: Floats, along: Floats) -> bool:
+    """Return whether a segment leads away from a point in about a direction."""
+    ends = segment.reshape(2, 2) - point
+    far = ends[int(np.argmax(np.hypot(*ends.T)))]
+    return bool(far @ along > np.cos(np.radians(20)) * np.hypot(*far))
 
 
 def cut_at_gaps(free: shapely.Geometry, widest: float = 1.25) -> tuple[list[shapely.Polygon], list[Gap]]:
