@@ -76,24 +76,34 @@ def show(
 
 @app.command("import")
 def import_world(
-    file: Annotated[Path, typer.Argument(help="A file that an importer understands.")],
-    out: Annotated[Path | None, typer.Argument(help="The world in our format (.geojson).")] = None,
+    file: Annotated[Path, typer.Argument(help="A building's file, its folder, or a folder of many of them.")],
+    out: Annotated[Path | None, typer.Option(help="The world in our format (.geojson); of many: a folder.")] = None,
+    level: Annotated[str | None, typer.Option(help="Which level; default: the one with the most rooms.")] = None,
+    scale: Annotated[float | None, typer.Option(help="Metres per unit of the file.")] = None,
+    types: Annotated[Path | None, typer.Option(help="Table of types (JSON) that overlays ours.")] = None,
+    assume_doors: Annotated[bool, typer.Option(help="Whether rooms without a way in get a door to a hallway.")] = True,
     json: Json = False,
 ) -> int:
-    """Turn a building's file into our format."""
-    from regionslam_env.worlds.format import save_world
-    from regionslam_env.worlds.loading import load
+    """Turn a building's file into our format and tell how well it went."""
+    from agents.plans import import_folder, import_one
+    from regionslam_env.worlds.importers.formats import is_one_building
+    from regionslam_env.worlds.importers.realise import ImportOptions
 
-    target = out or Path(file.stem + ".geojson")
-    if target.suffix.lower() not in (".geojson", ".json"):
-        raise InputError(f"{target}: ending {target.suffix!r}, expected .geojson")
-    world = load(file)
-    save_world(world, target)
-    facts = _facts(world)
-    console().print(f"{file} -> {target}: {facts['regions']} regions, {facts['doors']} doors")
-    if json:
-        print_json({**facts, "file": str(target)})
-    return DONE
+    options = ImportOptions(level, scale, types, assume_doors)
+    if file.is_dir() and not is_one_building(file):
+        return import_folder(file, out, options, json)
+    return import_one(file, out, options, json)
+
+
+@app.command()
+def survey(
+    folder: Annotated[Path, typer.Argument(help="A folder of buildings in any format.")],
+    json: Json = False,
+) -> int:
+    """Try to import every level of every building in a folder, and print how well each went."""
+    from agents.plans import survey_folder
+
+    return survey_folder(folder, json)
 
 
 @app.command()

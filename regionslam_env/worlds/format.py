@@ -129,15 +129,15 @@ def read_json(path: Path) -> Any:
 
 
 def is_native(path: Path) -> bool:
-    """Return whether a JSON file can only be one of our format: some feature has a `kind`, or it has no features."""
+    """Return whether a JSON file is meant to be of our format: some feature has one of our kinds, or all have any."""
     if path.is_dir() or path.suffix.lower() not in (".geojson", ".json"):
         return False
     data = read_json(path)
     features = data.get("features") if isinstance(data, dict) else None
     if not isinstance(features, list):
         return False
-    properties = [f.get("properties") for f in features if isinstance(f, dict)]
-    return any(isinstance(p, dict) and p.get("kind") in KINDS for p in properties) or not properties
+    kinds = [p.get("kind") for f in features if isinstance(f, dict) and isinstance(p := f.get("properties"), dict)]
+    return None not in kinds or any(kind in KINDS for kind in kinds if isinstance(kind, str))
 
 
 def parse_json(path: Path, text: str) -> Any:

@@ -44,8 +44,9 @@ def load(world: str | Path | World, scale: float | None = None, level: str | Non
         return _builtin(name)
     path = Path(world)
     check_there(path, name)
-    status = path.stat()
-    return _file(path, scale, level, status.st_mtime_ns, status.st_size)
+    files = sorted(path.iterdir()) if path.is_dir() else [path]
+    status = [file.stat() for file in files]
+    return _file(path, scale, level, tuple((s.st_mtime_ns, s.st_size) for s in status))
 
 
 def check_there(path: Path, name: str) -> None:
@@ -61,7 +62,7 @@ def check_there(path: Path, name: str) -> None:
 
 
 @lru_cache(maxsize=16)
-def _file(path: Path, scale: float | None, level: str | None, changed: int, size: int) -> World:
+def _file(path: Path, scale: float | None, level: str | None, state: tuple[tuple[int, int], ...]) -> World:
     """Read a file once as long as it does not change: worlds are immutable, and importing takes a while."""
     if is_native(path):
         return load_world(path, level)

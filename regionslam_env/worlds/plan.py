@@ -14,8 +14,15 @@ from regionslam_env.worlds.alignment import align
 from regionslam_env.worlds.annotate import annotate, side_directions
 from regionslam_env.worlds.floorplan import Opening, assemble
 from regionslam_env.worlds.passages import fit_opening, jambs, straight_opening
+from regionslam_env.worlds.refine import refine
 from regionslam_env.worlds.world import Region, World
 from slam.rows import MAX_RECTANGLES, Floats, Row
+
+WELL = 0.95
+"""IoU of rows that are left on the corners of their polygons."""
+
+GAIN = 0.01
+"""IoU that leaving the corners must bring."""
 
 NEAR = 0.35
 """A room's walls stand on the edges of its row but where its polygon deviates by more than this, m."""
@@ -159,12 +166,20 @@ def joined(row: Row, tolerance: float = 0.1) -> Row:
 
 
 def _annotated(polygon: shapely.Polygon, heading: float) -> tuple[Row, float]:
-    """Return the row along the building, or along the room's own sides where that fits better, and its IoU."""
+    """Return the row along the building, or along the room's own sides where that fits better, and its IoU.
+
+    Where neither fits well, as with slanted walls, the lines leave the corners (`refine`).
+    """
     row, iou = annotate(polygon, [heading])
     if iou < 1 - OWN_HEADING:
         own_row, own_iou = annotate(polygon)
         if own_iou > iou + OWN_HEADING:
-            return own_row, own_iou
+            row, iou = own_row, own_iou
+    if iou < WELL:
+        for direction in (heading, *side_directions(polygon, most=2)):
+            refined, better = refine(polygon, direction)
+            if better > iou + GAIN:
+                row, iou = refined, better
     return row, iou
 
 

@@ -75,22 +75,26 @@ def detect(path: Path) -> tuple[Format, Source]:
         if reason is not None:
             raise WorldError(f"{path}: a folder that is no building ({imdf.title}: {reason}); expected a file")
         return imdf, source
-    tried = []
+    tried = ["our own (no feature with a known 'kind')"] if source.ending in JSON else []
     for candidate in FORMATS:
         if source.ending in candidate.endings:
             reason = candidate.reader.refusal(source)
             if reason is None:
                 return candidate, source
             tried.append(f"{candidate.title} ({reason})")
-    if not tried:
+    if source.ending not in ENDINGS:
         raise WorldError(f"{path}: ending {source.ending!r}, expected one of {', '.join(ENDINGS)}")
     raise WorldError(f"{path}: of no known format; tried {'; '.join(tried)}")
 
 
+def is_one_building(folder: Path) -> bool:
+    """Return whether the files of a folder are those of one building."""
+    return bool(FORMATS[0].reader.is_dataset(folder))
+
+
 def plans_in(folder: Path) -> Iterator[Path]:
     """Yield what may be buildings in a folder and below: files by their ending, and folders that are one building."""
-    imdf = FORMATS[0].reader
-    if imdf.is_dataset(folder):
+    if is_one_building(folder):
         yield folder
         return
     for entry in sorted(folder.iterdir()):

@@ -31,7 +31,9 @@ def read(source: Source, options: ImportOptions) -> Drawing:
     spaces = [(space, _storey(space)) for space in model.by_type("IfcSpace")]
     if not spaces:
         raise WorldError(f"{source.path}: no IfcSpace, expected rooms: export the model with its rooms or spaces")
-    storeys = sorted(model.by_type("IfcBuildingStorey"), key=lambda s: (float(s.Elevation or 0), s.id()))
+    used = {storey for _, storey in spaces}
+    storeys = [storey for storey in model.by_type("IfcBuildingStorey") if storey.id() in used]
+    storeys.sort(key=lambda s: (float(s.Elevation or 0), s.id()))
     names = _unique({storey.id(): str(storey.Name or storey.id()) for storey in storeys})
     level = choose(list(names.values()), [names.get(s, "") for _, s in spaces], options.level, source.path)
     drawing = Drawing(source.path.name.split(".")[0], level, tuple(names.values()))

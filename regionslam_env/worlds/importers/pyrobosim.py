@@ -34,9 +34,9 @@ def refusal(source: Source) -> str | None:
     if isinstance(rooms, list) and any(isinstance(room, dict) and "footprint" in room for room in rooms):
         return None
     if value and all(isinstance(v, dict) and "footprint" in v for v in value.values()):
-        return (
-            "footprints of furniture, which a world names under metadata.locations: import the world's file, "
-            "with this one beside it"
+        raise WorldError(
+            f"{source.path}: footprints of furniture, which a PyRoboSim world names under metadata.locations: import the "
+            "world's own file, with this one beside it"
         )
     return "no 'rooms' with a 'footprint'"
 
