@@ -16,7 +16,7 @@ from regionslam_env.worlds.floorplan import Opening
 from regionslam_env.worlds.importers.drawing import Drawing, DrawnDoor
 from regionslam_env.worlds.importers.report import ImportReport, RoomReport
 from regionslam_env.worlds.importers.split import split_rooms
-from regionslam_env.worlds.importers.vocabulary import Vocabulary
+from regionslam_env.worlds.importers.vocabulary import OTHER, Vocabulary
 from regionslam_env.worlds.plan import Layout, Portal, Space, close, lay_out, place
 from regionslam_env.worlds.world import Region, World
 
@@ -106,13 +106,29 @@ def _spaces(drawing: Drawing, words: Vocabulary) -> tuple[list[Space], dict[str,
     counts: Counter[str] = Counter()
     ids: dict[str, str] = {}
     spaces = []
-    for room in drawing.rooms:
-        kind = words.type_of(room.label, room.name or "")
+    kinds = [words.type_of(room.label, room.name or "") for room in drawing.rooms]
+    if set(kinds) == {OTHER}:
+        kinds = _guessed(drawing)
+    for room, kind in zip(drawing.rooms, kinds, strict=True):
         counts[kind] += 1
         ids[room.key] = f"{kind} {counts[kind]}"
         name = room.name or f"{(room.label or kind).lower()} {counts[kind]}"
         spaces.append(Space(ids[room.key], kind, name, room.polygon))
     return spaces, ids
+
+
+def _guessed(drawing: Drawing) -> list[str]:
+    """Return types where no label means anything: offices, and a hallway where most doors lead to."""
+    labels = sorted({room.label for room in drawing.rooms if room.label})[:3]
+    drawing.notes.append(
+        f"no label says what a room is for ({', '.join(labels) or 'none given'}): the one with most doors is taken for a "
+        "hallway, the others for offices; a table of types says better (--types)"
+    )
+    doors = shapely.MultiPoint([door.middle for door in drawing.doors])
+    counts = [len(shapely.get_parts(doors.intersection(room.polygon.buffer(0.4)))) for room in drawing.rooms]
+    areas = [room.polygon.area for room in drawing.rooms]
+    hallway = max(range(len(counts)), key=lambda i: (counts[i], areas[i]))
+    return ["hallway" if i == hallway else "office" for i in range(len(counts))]
 
 
 def _openings(

@@ -122,9 +122,7 @@ def _free_space(source: Source, root: Node, resolution: float) -> list[shapely.P
     shape = shapely.transform(
         shape, lambda p: (p * (1, -1) + (0, height)) * resolution @ np.array([[c, s], [-s, c]]) + origin[:2]
     )
-    smooth = shape.buffer(resolution, join_style="mitre").buffer(-2 * resolution, join_style="mitre")
-    smooth = smooth.buffer(resolution, join_style="mitre")
-    found = [shapely.simplify(_filled(p), 1.01 * resolution) for p in polygons(smooth) if p.area >= LEAST]
+    found = [shapely.simplify(_filled(p), 1.01 * resolution) for p in polygons(shape) if p.area >= LEAST]
     if not found:
         raise WorldError(f"{source.path}: image: no free space of at least {LEAST:g} m²")
     return [largest(shapely.make_valid(p)) for p in found]
