@@ -24,7 +24,7 @@ ROOM_FOR_A_DOOR = 1.0
 
 
 def shared_borders(first: Floats, second: Floats) -> Iterator[tuple[Floats, Floats, float]]:
-    """Yield start, end and depth (m) of the stretches where two outlines (k, 2) run side by side, midway between them."""
+    """Yield start, end and depth (m) of the stretches where two outlines (k, 2) run side by side, midway between."""
     for start, end in zip(first, np.roll(first, -1, axis=0), strict=True):
         length = float(np.hypot(*(end - start)))
         if length < 1e-6:

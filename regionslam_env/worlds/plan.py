@@ -107,9 +107,7 @@ def lay_out(name: str, spaces: Sequence[Space]) -> Layout:
     return Layout(name, tuple(spaces), rooms, tuple(iou for _, iou in fitted), outlines)
 
 
-def close(
-    layout: Layout, openings: Sequence[Opening], furniture: Sequence[Region] = (), level: str = "0"
-) -> World:
+def close(layout: Layout, openings: Sequence[Opening], furniture: Sequence[Region] = (), level: str = "0") -> World:
     """Return the world of a layout: walls around every room but where the openings are."""
     extra = [segment for opening in openings for segment in jambs(opening)]
     return assemble(
@@ -216,9 +214,8 @@ def place(
     for portal in portals:
         for space in portal.spaces:
             if space not in rings:
-                raise WorldError(
-                    f"plan {layout.name!r}: portal at ({portal.x:.2f}, {portal.y:.2f}): {unknown('space', space, rings)}"
-                )
+                where = f"portal at ({portal.x:.2f}, {portal.y:.2f})"
+                raise WorldError(f"plan {layout.name!r}: {where}: {unknown('space', space, rings)}")
         a, b = portal.spaces
         reach = shapely.box(portal.x - REACH, portal.y - REACH, portal.x + REACH, portal.y + REACH)
         others = [ring for key, ring in rings.items() if key not in portal.spaces and ring.intersects(reach)]

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import shapely
+from numpy.typing import ArrayLike
 from shapely.geometry.polygon import orient
 
 from regionslam_env.errors import WorldError
@@ -56,6 +57,20 @@ class DrawnDoor:
     rooms: tuple[str, ...] = ()
     width: float | None = None
     what: str = "door"
+
+    @classmethod
+    def between(
+        cls,
+        start: ArrayLike,
+        end: ArrayLike,
+        rooms: tuple[str, ...] = (),
+        width: float | None = None,
+        what: str = "door",
+    ) -> DrawnDoor:
+        """Return the door from one point (2,) to another, m, as wide as they are apart unless told otherwise."""
+        (x0, y0), (x1, y1) = np.asarray(start, dtype=np.float64), np.asarray(end, dtype=np.float64)
+        apart = float(np.hypot(x1 - x0, y1 - y0))
+        return cls(float(x0), float(y0), float(x1), float(y1), rooms, apart if width is None else width, what)
 
     @property
     def middle(self) -> tuple[float, float]:
@@ -160,7 +175,9 @@ class Drawing:
                     continue
                 if room.polygon.intersection(other.polygon).area > SAME * room.polygon.union(other.polygon).area:
                     doubles.add(j)
-                    self.drop(f"room {other.name or other.key!r}", f"drawn in the place of room {room.name or room.key!r}")
+                    self.drop(
+                        f"room {other.name or other.key!r}", f"drawn in the place of room {room.name or room.key!r}"
+                    )
         self.rooms = [room for j, room in enumerate(self.rooms) if j not in doubles]
 
 

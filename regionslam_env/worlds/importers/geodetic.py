@@ -57,7 +57,7 @@ def origin_of(points: list[tuple[float, float]], file: Any) -> LocalPlane:
 
 
 def polygons_of(geometry: Node) -> list[list[list[tuple[float, float]]]]:
-    """Return the rings of every polygon of a GeoJSON Polygon or MultiPolygon, in degrees; nothing for other geometries."""
+    """Return the rings of every polygon of a GeoJSON geometry in degrees; none for one that is no area."""
     form = geometry.text_of("type")
     if form not in ("Polygon", "MultiPolygon"):
         return []

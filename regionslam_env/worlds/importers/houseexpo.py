@@ -40,8 +40,7 @@ def read(source: Source, options: ImportOptions) -> Drawing:
         drawing.add_room(str(i), _category(room, boxes), None, room)
     for gap in gaps:
         keys = (str(gap.rooms[0]), str(gap.rooms[1]))
-        width = float(shapely.LineString([(gap.x0, gap.y0), (gap.x1, gap.y1)]).length)
-        drawing.doors.append(DrawnDoor(gap.x0, gap.y0, gap.x1, gap.y1, keys, width))
+        drawing.doors.append(DrawnDoor.between((gap.x0, gap.y0), (gap.x1, gap.y1), keys))
     return drawing
 
 
@@ -58,6 +57,7 @@ def _boxes(listed: Node) -> list[shapely.Polygon]:
 
 def _category(room: shapely.Polygon, boxes: list[Box]) -> str:
     """Return the category of the box with the largest IoU, "room" where none covers a third of the room."""
+
     def overlap(box: Box) -> float:
         return float(room.intersection(box[1]).area / room.union(box[1]).area)
 

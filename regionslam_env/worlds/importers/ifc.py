@@ -35,7 +35,7 @@ def read(source: Source, options: ImportOptions) -> Drawing:
     storeys = [storey for storey in model.by_type("IfcBuildingStorey") if storey.id() in used]
     storeys.sort(key=lambda s: (float(s.Elevation or 0), s.id()))
     names = _unique({storey.id(): str(storey.Name or storey.id()) for storey in storeys})
-    level = choose(list(names.values()), [names.get(s, "") for _, s in spaces], options.level, source.path)
+    level = choose(list(names.values()), [names.get(s or -1, "") for _, s in spaces], options.level, source.path)
     drawing = Drawing(source.path.name.split(".")[0], level, tuple(names.values()))
     shapes = _Shapes()
     for space, storey in spaces:
@@ -141,8 +141,7 @@ def _add_door(drawing: Drawing, door: Any, shapes: _Shapes) -> None:
     if axis is not None:
         along = max(sides, key=lambda s: abs(float(s @ axis)))
     middle = np.array(box.centroid.coords[0])
-    (x0, y0), (x1, y1) = middle - along / 2, middle + along / 2
-    drawing.doors.append(DrawnDoor(*map(float, (x0, y0, x1, y1)), width=float(np.hypot(*along))))
+    drawing.doors.append(DrawnDoor.between(middle - along / 2, middle + along / 2))
 
 
 def _axis(door: Any) -> Floats | None:

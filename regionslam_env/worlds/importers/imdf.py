@@ -11,7 +11,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
 import shapely
 
 from regionslam_env.errors import WorldError
@@ -75,7 +74,9 @@ def refusal(source: Source) -> str | None:
         return None if is_dataset(source.path) else "no unit.geojson"
     stem = source.path.stem.lower()
     if stem in (*KINDS, *NO_NEED) and is_dataset(source.path.parent):
-        raise WorldError(f"{source.path}: one of several files of a building, expected their folder {source.path.parent}")
+        raise WorldError(
+            f"{source.path}: one of several files of a building, expected their folder {source.path.parent}"
+        )
     features = source.json.value.get("features") if isinstance(source.json.value, dict) else None
     if not isinstance(features, list):
         return "no list of features"
@@ -175,7 +176,4 @@ def _add_door(drawing: Drawing, feature: _Feature, plane: LocalPlane) -> None:
         return
     coordinates = geometry["coordinates"]
     points = plane.metres([check_degrees(coordinates, p) for p in coordinates.points(2)])
-    (x0, y0), (x1, y1) = points[0], points[-1]
-    drawing.doors.append(
-        DrawnDoor(*map(float, (x0, y0, x1, y1)), width=float(np.hypot(x1 - x0, y1 - y0)), what="opening")
-    )
+    drawing.doors.append(DrawnDoor.between(points[0], points[-1], what="opening"))

@@ -1,8 +1,8 @@
 """Houses of ProcTHOR (Deitke et al. 2022) as JSON: floor polygons in x and z, doors with the ids of their two rooms.
 
-Unity's frame is left-handed with y up; x stays x and z becomes y, which keeps the plan as seen from above. A door's hole
-is measured along its wall; walls stand in the file once from each side and have no thickness. A door that names one
-room twice leads outside. Objects have no sizes and are left out.
+Unity's frame is left-handed with y up; x stays x and z becomes y, which keeps the plan as seen from above. A door's
+hole is measured along its wall; walls stand in the file once from each side and have no thickness. A door that names
+one room twice leads outside. Objects have no sizes and are left out.
 """
 
 from __future__ import annotations
@@ -67,10 +67,8 @@ def _add_door(drawing: Drawing, door: Node, walls: dict[str, Node], keys: set[st
     if length < 1e-6:
         drawing.drop(what, "its wall has no length")
         return
-    (x0, y0), (x1, y1) = (start + (end - start) * np.clip(a / length, 0, 1) for a in along)
-    drawing.doors.append(
-        DrawnDoor(*map(float, (x0, y0, x1, y1)), rooms=rooms, width=along[1] - along[0], what="door")
-    )
+    first, second = (start + (end - start) * np.clip(a / length, 0, 1) for a in along)
+    drawing.doors.append(DrawnDoor.between(first, second, rooms))
 
 
 def _ends(wall: Node) -> tuple[Floats, Floats]:

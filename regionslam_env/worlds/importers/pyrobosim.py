@@ -1,4 +1,4 @@
-"""Worlds of PyRoboSim as YAML: rooms and furniture as boxes or polygons in metres, hallways of some width between rooms.
+"""Worlds of PyRoboSim as YAML: rooms and furniture as boxes or polygons in metres, hallways of some width between.
 
 A hallway becomes a region of its own with an opening of its width at either end. Its way is that of PyRoboSim: straight
 from middle to middle (``auto``), at an angle from the first middle (``angle``), or along points (``points``).
@@ -35,8 +35,8 @@ def refusal(source: Source) -> str | None:
         return None
     if value and all(isinstance(v, dict) and "footprint" in v for v in value.values()):
         raise WorldError(
-            f"{source.path}: footprints of furniture, which a PyRoboSim world names under metadata.locations: import the "
-            "world's own file, with this one beside it"
+            f"{source.path}: footprints of furniture, which a PyRoboSim world names under metadata.locations: import "
+            "the world's own file, with this one beside it"
         )
     return "no 'rooms' with a 'footprint'"
 
@@ -58,12 +58,18 @@ def read(source: Source, options: ImportOptions) -> Drawing:
     for item in root.listed("locations"):
         category = item.text_of("category")
         if category not in footprints:
-            drawing.drop(f"{category} {item.text_of('name')}".strip(), "no footprint of its category in metadata.locations")
+            drawing.drop(
+                f"{category} {item.text_of('name')}".strip(), "no footprint of its category in metadata.locations"
+            )
             continue
         corners = shapely.get_coordinates(footprints[category].exterior)
         parent = shapes.get(item.text_of("parent"))
         place = item.get("pose")
-        moved = _moved(corners, place) if place is not None else corners + (0 if parent is None else parent.centroid.coords[0])
+        moved = (
+            _moved(corners, place)
+            if place is not None
+            else corners + (0 if parent is None else parent.centroid.coords[0])
+        )
         drawing.add_item(category, item.text_of("name") or None, moved)
     return drawing
 
@@ -152,8 +158,7 @@ def _end(
     before, after = (way.interpolate(min(max(at + d, 0.0), way.length)).coords[0] for d in (-0.05, 0.05))
     step = np.subtract(after, before)
     across = np.array([-step[1], step[0]]) / max(float(np.hypot(*step)), 1e-9) * width / 2
-    (x0, y0), (x1, y1) = middle - across, middle + across
-    return DrawnDoor(*map(float, (x0, y0, x1, y1)), rooms=rooms, width=width)
+    return DrawnDoor.between(middle - across, middle + across, rooms)
 
 
 def _way(node: Node, first: shapely.Polygon, second: shapely.Polygon) -> ArrayLike:
@@ -162,7 +167,9 @@ def _way(node: Node, first: shapely.Polygon, second: shapely.Polygon) -> ArrayLi
     if method == "points":
         return node["conn_points"].points(2)
     if method not in ("auto", "angle"):
-        raise node.error(f"conn_method auto, angle or points ({unknown('conn_method', method, ('auto', 'angle', 'points'))})")
+        raise node.error(
+            f"conn_method auto, angle or points ({unknown('conn_method', method, ('auto', 'angle', 'points'))})"
+        )
     start, end = (np.array(shape.centroid.coords[0]) for shape in (first, second))
     theta, length = math.atan2(end[1] - start[1], end[0] - start[0]), float(np.hypot(*(end - start)))
     if method == "angle":

@@ -121,8 +121,8 @@ def _guessed(drawing: Drawing) -> list[str]:
     """Return types where no label means anything: offices, and a hallway where most doors lead to."""
     labels = sorted({room.label for room in drawing.rooms if room.label})[:3]
     drawing.notes.append(
-        f"no label says what a room is for ({', '.join(labels) or 'none given'}): the one with most doors is taken for a "
-        "hallway, the others for offices; a table of types says better (--types)"
+        f"no label says what a room is for ({', '.join(labels) or 'none given'}): the one with most doors is taken for "
+        "a hallway, the others for offices; a table of types says better (--types)"
     )
     doors = shapely.MultiPoint([door.middle for door in drawing.doors])
     counts = [len(shapely.get_parts(doors.intersection(room.polygon.buffer(0.4)))) for room in drawing.rooms]
@@ -216,7 +216,9 @@ def _furniture(drawing: Drawing, layout: Layout, words: Vocabulary) -> list[Regi
         row, _ = annotate(item.polygon)
         kind = words.type_of(item.label, item.name or "")
         counts[kind] += 1
-        region = Region(f"{kind} {counts[kind]}", kind, item.name or f"{item.label.lower()} {counts[kind]}", row, room.id)
+        region = Region(
+            f"{kind} {counts[kind]}", kind, item.name or f"{item.label.lower()} {counts[kind]}", row, room.id
+        )
         while region.id in taken:
             counts[kind] += 1
             region = replace(region, id=f"{kind} {counts[kind]}")

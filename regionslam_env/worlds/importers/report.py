@@ -67,8 +67,9 @@ class ImportReport:
             f"{self.file}: {self.format}, level {self.level}{more}{scale}",
             f"{len(self.rooms)} rooms ({100 * self.good_share:.0f} % with IoU > {GOOD}), {self.doors} doors "
             f"({self.assumed} assumed), {self.passages} open borders, {self.furniture} pieces of furniture",
-            "every room can be reached by doors" if self.components == 1 else f"{self.components} parts without a door "
-            "between them",
+            "every room can be reached by doors"
+            if self.components == 1
+            else f"{self.components} parts without a door between them",
         ]
         lines += [f"flag: {room.id} ({room.name}): IoU {room.iou:.2f}" for room in self.poor]
         for (what, why), count in _counted(self.dropped):

@@ -80,8 +80,7 @@ def read(source: Source, options: ImportOptions) -> Drawing:
     doors = [shapely.LineString([(d.x0, d.y0), (d.x1, d.y1)]) for d in drawing.doors]
     gaps = closings(walls, doors)
     for gap in gaps:
-        (x0, y0), (x1, y1) = shapely.get_coordinates(gap).tolist()
-        drawing.doors.append(DrawnDoor(x0, y0, x1, y1, width=gap.length - 0.1, what="gap"))
+        drawing.doors.append(DrawnDoor.between(gap.coords[0], gap.coords[-1], width=gap.length - 0.1, what="gap"))
     spaces = enclosed([*walls, *doors, *gaps], [floor for floor in _floors(level) if not floor.is_empty])
     cabins = _cabins(root, level, factor, name, drawing)
     _add_rooms(drawing, level, spaces, cabins)
@@ -115,20 +114,23 @@ def _scale(source: Source, levels: dict[str, Node], name: str) -> float:
                     found.append(distance[-1].number(1e-3, 1e5) / pixels)
         if found:
             return float(np.median(found))
-    raise WorldError(f"{source.path}: levels.{name}.measurements: none that gives a scale: give metres per pixel (--scale)")
+    raise WorldError(
+        f"{source.path}: levels.{name}.measurements: none that gives a scale: give metres per pixel (--scale)"
+    )
 
 
 def _add_doors(drawing: Drawing, level: _Level) -> None:
     for door in level.node.listed("doors"):
-        (x0, y0), (x1, y1) = level.edge(door)
-        width = float(np.hypot(x1 - x0, y1 - y0))
-        drawing.doors.append(DrawnDoor(*map(float, (x0, y0, x1, y1)), width=width))
+        drawing.doors.append(DrawnDoor.between(*level.edge(door)))
 
 
 def _floors(level: _Level) -> list[shapely.Polygon]:
     """Return the floors, m."""
     count = len(level.points)
-    return [cleaned(level.points[[v.index(count) for v in floor["vertices"].items()]]) for floor in level.node.listed("floors")]
+    return [
+        cleaned(level.points[[v.index(count) for v in floor["vertices"].items()]])
+        for floor in level.node.listed("floors")
+    ]
 
 
 def _cabins(
@@ -166,8 +168,7 @@ def _lift_door(door: Node, turn: Floats, centre: Floats, yaw: float) -> DrawnDoo
     angle = yaw + door.number_of("motion_axis_orientation", 0.0, -10, 10)
     width = door.number_of("width", 1.0, 0.3, 10)
     half = np.array([math.cos(angle), math.sin(angle)]) * width / 2
-    (x0, y0), (x1, y1) = middle - half, middle + half
-    return DrawnDoor(*map(float, (x0, y0, x1, y1)), width=width, what="lift door")
+    return DrawnDoor.between(middle - half, middle + half, what="lift door")
 
 
 def _cabin_centre(level: _Level, lift: str) -> Floats | None:

@@ -36,9 +36,7 @@ class Gap:
     y1: float
 
 
-def enclosed(
-    lines: Sequence[shapely.LineString], floors: Sequence[shapely.Polygon] = ()
-) -> list[shapely.Polygon]:
+def enclosed(lines: Sequence[shapely.LineString], floors: Sequence[shapely.Polygon] = ()) -> list[shapely.Polygon]:
     """Return the spaces between lines (walls and closed doors, m), within the floors or what the lines enclose."""
     longer = [_longer(line) for line in lines if line.length > 1e-6]
     if not longer:
@@ -75,7 +73,9 @@ def closings(
             near = tree.query(shapely.Point(end).buffer(EXTENSION), predicate="intersects")
             if any(_goes_on(segments[j], end, along) for j in near if j != k):
                 continue
-            ray = shapely.LineString([end + 1.5 * EXTENSION * along, end + widest * along]).buffer(ASIDE, cap_style="flat")
+            ray = shapely.LineString([end + 1.5 * EXTENSION * along, end + widest * along]).buffer(
+                ASIDE, cap_style="flat"
+            )
             hits = [ray.intersection(lines[j]) for j in tree.query(ray, predicate="intersects") if j != k]
             if not hits:
                 continue
@@ -98,8 +98,8 @@ def _goes_on(segment: Floats, point: Floats, along: Floats) -> bool:
 def cut_at_gaps(free: shapely.Geometry, widest: float = 1.25) -> tuple[list[shapely.Polygon], list[Gap]]:
     """Return the rooms that free space falls into at gaps below a width (m), and the gaps that join two of them.
 
-    Where the space is narrower than `widest`, an opening (erosion, then dilation) leaves nothing; what it takes away and
-    what touches two rooms is a gap, unless it is as large as a room itself: then it is one, a narrow corridor.
+    Where the space is narrower than `widest`, an opening (erosion, then dilation) leaves nothing; what it takes away
+    and what touches two rooms is a gap, unless it is as large as a room itself: then it is one, a narrow corridor.
     """
     half = widest / 2
     cores = polygons(free.buffer(-half, join_style="mitre", mitre_limit=2.0))

@@ -39,7 +39,9 @@ def refusal(source: Source) -> str | None:
     value = source.yaml.value
     if source.path.name.endswith(ANNOTATIONS):
         return f"annotations: import the map itself, {source.path.name.removesuffix(ANNOTATIONS)}.yaml"
-    return None if isinstance(value, dict) and "image" in value and "resolution" in value else "no 'image', 'resolution'"
+    return (
+        None if isinstance(value, dict) and "image" in value and "resolution" in value else "no 'image', 'resolution'"
+    )
 
 
 def read(source: Source, options: ImportOptions) -> Drawing:
@@ -60,7 +62,7 @@ def read(source: Source, options: ImportOptions) -> Drawing:
         outline = item["outline"].points(3)
         drawing.add_room(f"outline {i + 1}", item["type"].text(), item.text_of("name") or None, outline)
     given = [_segment(item) for item in notes.listed("doors")] if notes is not None else []
-    drawing.doors += [DrawnDoor(*d, width=float(np.hypot(d[2] - d[0], d[3] - d[1]))) for d in given]
+    drawing.doors += [DrawnDoor.between(door[:2], door[2:]) for door in given]
     taken = shapely.union_all([room.polygon for room in drawing.rooms]).buffer(2 * resolution)
     rest = shapely.union_all(free).difference(taken)
     if given:
@@ -71,8 +73,7 @@ def read(source: Source, options: ImportOptions) -> Drawing:
         rooms, gaps = cut_at_gaps(rest, widest)
         for gap in gaps:
             keys = (str(gap.rooms[0]), str(gap.rooms[1]))
-            width = float(np.hypot(gap.x1 - gap.x0, gap.y1 - gap.y0))
-            drawing.doors.append(DrawnDoor(gap.x0, gap.y0, gap.x1, gap.y1, keys, width))
+            drawing.doors.append(DrawnDoor.between((gap.x0, gap.y0), (gap.x1, gap.y1), keys))
     _add_rooms(drawing, rooms, [item for item in annotated if item not in outlined])
     return drawing
 
@@ -86,7 +87,9 @@ def _add_rooms(drawing: Drawing, rooms: list[shapely.Polygon], annotated: list[N
     for i, room in enumerate(rooms):
         mine = [item for item, point in zip(annotated, points, strict=True) if room.contains(point)]
         if len(mine) > 1:
-            drawing.notes.append(f"{' and '.join(m['type'].text() for m in mine)} are annotated in one room: a door is missing")
+            drawing.notes.append(
+                f"{' and '.join(m['type'].text() for m in mine)} are annotated in one room: a door is missing"
+            )
         label = mine[0]["type"].text() if mine else "other"
         drawing.add_room(str(i), label, (mine[0].text_of("name") or None) if mine else None, room)
 
@@ -114,7 +117,9 @@ def _free_space(source: Source, root: Node, resolution: float) -> list[shapely.P
     free = occupied < root.number_of("free_thresh", 0.196, 0, 1)
     boxes = _runs(free)
     if len(boxes) > MOST_RUNS:
-        raise WorldError(f"{source.path}: image: {len(boxes)} runs of free pixels, expected at most {MOST_RUNS}: smooth it")
+        raise WorldError(
+            f"{source.path}: image: {len(boxes)} runs of free pixels, expected at most {MOST_RUNS}: smooth it"
+        )
     shape = shapely.union_all(shapely.box(boxes[:, 0], boxes[:, 1], boxes[:, 2], boxes[:, 3]))
     yaw = origin[2] if len(origin) > 2 else 0.0
     c, s = math.cos(yaw), math.sin(yaw)
@@ -163,7 +168,9 @@ def _pixels(source: Source, name: str) -> NDArray[np.float64]:
     try:
         with Image.open(path) as image:
             if image.width * image.height > MOST_PIXELS:
-                raise WorldError(f"{source.path}: image {name!r}: {image.width} x {image.height}, expected fewer pixels")
+                raise WorldError(
+                    f"{source.path}: image {name!r}: {image.width} x {image.height}, expected fewer pixels"
+                )
             return np.asarray(image.convert("L"), dtype=np.float64)
     except (OSError, ValueError, SyntaxError, EOFError, Image.DecompressionBombError) as error:
         if isinstance(error, WorldError):

@@ -1,4 +1,4 @@
-"""Rooms that no row of three rectangles describes (a ring of corridors, an open floor) are cut into some that it does."""
+"""Rooms that no row of three rectangles describes (a ring of corridors, an open floor), cut into some that it does."""
 
 from __future__ import annotations
 
@@ -45,7 +45,9 @@ def split_rooms(drawing: Drawing) -> None:
         ]
         if len(parts) > 1:
             drawing.pieces[room.key] = tuple(part.key for part in parts)
-            drawing.notes.append(f"{room.name or room.key} is cut into {len(parts)} regions that stand open to each other")
+            drawing.notes.append(
+                f"{room.name or room.key} is cut into {len(parts)} regions that stand open to each other"
+            )
     drawing.rooms = rooms
 
 
