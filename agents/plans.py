@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from rich.table import Table
 
@@ -50,14 +50,22 @@ def import_one(file: Path, out: Path | None, options: ImportOptions, json: bool)
         save_world(world, target)
         say.print(f"{file} -> {target}: of our own format already")
         if json:
-            print_json({"file": str(file), "out": str(target), "format": "ours", "doors": len(world.doors)})
+            print_json(
+                {
+                    "file": str(file),
+                    "out": str(target),
+                    "format": "ours",
+                    "regions": len(world.regions),
+                    "doors": len(world.doors),
+                }
+            )
         return DONE
     world, report = import_plan(file, options)
     save_world(world, target)
     say.print("\n".join(report.lines()), markup=False)
     say.print(f"written: {target}", markup=False)
     if json:
-        print_json({**report.as_dict(), "out": str(target)})
+        print_json({**report.as_dict(), "regions": len(world.regions), "out": str(target)})
     return DONE
 
 
@@ -114,6 +122,8 @@ def _attempts(file: Path, options: ImportOptions, all_levels: bool) -> Iterator[
 
 def _tell(attempts: list[Attempt], json: bool) -> int:
     """Print a table of attempts and the totals."""
+    from regionslam_env.worlds.importers.report import GOOD
+
     table = Table()
     for heading in ("file", "format", "level", "rooms", "doors", "assumed", "open", "IoU > 0.95", "flagged", "parts"):
         table.add_column(heading, justify="left" if heading in ("file", "format", "level") else "right")
@@ -127,16 +137,18 @@ def _tell(attempts: list[Attempt], json: bool) -> int:
         if attempt.report is None:
             say.print(f"refused: {attempt.refusal}", markup=False)
     rooms = [room for report in reports for room in report.rooms]
-    good = sum(room.iou > 0.95 for room in rooms)
-    if rooms:
-        say.print(f"{len(rooms)} rooms on {len(reports)} levels, {good / len(rooms):.1%} with IoU > 0.95")
+    shares = {
+        "good_share": sum(room.iou > GOOD for room in rooms) / max(len(rooms), 1),
+        "good_share_aligned": sum(room.aligned_iou > GOOD for room in rooms) / max(len(rooms), 1),
+    }
+    say.print(
+        "{} rooms on {} levels: {:.1%} with IoU > {} as drawn, {:.1%} after edges were moved onto common walls".format(
+            len(rooms), len(reports), shares["good_share"], GOOD, shares["good_share_aligned"]
+        )
+    )
     if json:
-        print_json({"imported": [r.as_dict() for r in reports], "refused": _refused(attempts),
-                    "rooms": len(rooms), "good_share": good / len(rooms) if rooms else None})  # fmt: skip
+        refused = [{"file": str(a.file), "why": a.refusal} for a in attempts if a.imported is None]
+        print_json({"imported": [r.as_dict() for r in reports], "refused": refused, "rooms": len(rooms), **shares})
     if not reports:
         return BAD_INPUT
     return DONE if len(reports) == len(attempts) else FAILED
-
-
-def _refused(attempts: list[Attempt]) -> list[dict[str, Any]]:
-    return [{"file": str(a.file), "why": a.refusal} for a in attempts if a.imported is None]

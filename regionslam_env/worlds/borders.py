@@ -19,6 +19,9 @@ APART = 0.45
 NARROWEST = 0.75
 """Least width (m) of an open border: a robot must fit through."""
 
+SHORTER = 0.1
+"""By how much (m) an open border is shortened at both ends as long as it would cut into an outer wall."""
+
 ROOM_FOR_A_DOOR = 1.0
 """Least length (m) of a shared border that a door is assumed in."""
 
@@ -53,16 +56,32 @@ def open_borders(
     """Return the openings of rooms that stand open to each other, less what a wall (a shape in metres) covers."""
     openings: list[Opening] = []
     for a, b in pairs:
+        rooms = [shapely.Polygon(layout.outlines[name]) for name in (a, b)]
+        inside = shapely.union_all(rooms).buffer(APART / 2, join_style="mitre").buffer(-APART / 2, join_style="mitre")
         for start, end, depth in shared_borders(layout.outlines[a], layout.outlines[b]):
             line: shapely.Geometry = shapely.LineString([start, end])
             if walls is not None:
                 line = line.difference(walls)
-            for piece in shapely.get_parts(line):
-                if piece.length >= NARROWEST:
-                    (x0, y0), (x1, y1) = shapely.get_coordinates(piece)[[0, -1]]
+            for piece in (part for part in shapely.get_parts(line) if part.length >= NARROWEST):
+                ends = _within(shapely.get_coordinates(piece), DOOR_DEPTH + depth, inside)
+                if ends is not None:
+                    (x0, y0), (x1, y1) = ends.tolist()
                     number = f"opening {len(openings) + 1}"
                     openings.append(Opening(number, (a, b), x0, y0, x1, y1, DOOR_DEPTH + depth, door=False))
     return openings
+
+
+def _within(points: Floats, depth: float, inside: shapely.Geometry) -> Floats | None:
+    """Return the ends (2, 2) of an opening, shortened until it cuts into nothing but its rooms; None if too short."""
+    length = float(np.hypot(*(points[-1] - points[0])))
+    along = (points[-1] - points[0]) / max(length, 1e-9)
+    across = np.array([-along[1], along[0]]) * depth / 2
+    allowed = inside.buffer(0.02)
+    for step in range(int(max(length - NARROWEST, -1.0) / (2 * SHORTER)) + 1):
+        start, end = points[0] + along * SHORTER * step, points[-1] - along * SHORTER * step
+        if allowed.contains(shapely.Polygon([start - across, end - across, end + across, start + across])):
+            return np.array([start, end])
+    return None
 
 
 def adjacent(layout: Layout) -> list[tuple[str, str]]:

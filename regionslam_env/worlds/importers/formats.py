@@ -8,6 +8,7 @@ building over several files.
 from __future__ import annotations
 
 import importlib
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -23,11 +24,15 @@ JSON, YAML, XML, IFC = (".geojson", ".json"), (".yaml", ".yml"), (".xml", ".osm"
 
 @dataclass(frozen=True)
 class Format:
-    """A format: the name of its table of types, what to call it, the module that reads it, endings of its files."""
+    """A format: name of its reader and its table of types, what to call it, endings of its files.
+
+    `scalable` where its unit is not known to be the metre, so that a scale can be given.
+    """
 
     name: str
     title: str
     endings: tuple[str, ...]
+    scalable: bool = False
 
     @property
     def reader(self) -> ModuleType:
@@ -39,11 +44,11 @@ FORMATS = (
     Format("imdf", "IMDF or Azure Maps GeoJSON", JSON),
     Format("osm", "OpenStreetMap indoor", (*JSON, *XML)),
     Format("procthor", "ProcTHOR house", JSON),
-    Format("houseexpo", "HouseExpo", JSON),
-    Format("luperto", "Luperto XML", XML),
-    Format("rmf", "RMF building.yaml", YAML),
+    Format("houseexpo", "HouseExpo", JSON, scalable=True),
+    Format("luperto", "Luperto XML", XML, scalable=True),
+    Format("rmf", "RMF building.yaml", YAML, scalable=True),
     Format("pyrobosim", "PyRoboSim world", YAML),
-    Format("rosmap", "ROS map", YAML),
+    Format("rosmap", "ROS map", YAML, scalable=True),
     Format("ifc", "IFC", IFC),
 )
 ENDINGS = (*JSON, *YAML, *XML, *IFC)
@@ -58,6 +63,11 @@ def import_plan(path: Path, options: ImportOptions) -> Imported:
         Naming the file and what is wrong with it, or every format that was tried and why it is none of them.
     """
     found, source = detect(path)
+    if options.scale is not None:
+        if not found.scalable:
+            raise WorldError(f"{path}: scale is {options.scale!r}, expected none: {found.title} has a unit of its own")
+        if not (math.isfinite(options.scale) and options.scale > 0):
+            raise WorldError(f"{path}: scale is {options.scale!r}, expected metres per unit above 0")
     try:
         drawing = found.reader.read(source, options)
         return realise(drawing, vocabulary(found.name, options.types), options, str(path), found.title)

@@ -28,6 +28,16 @@ def refusal(source: Source) -> str | None:
 def read(source: Source, options: ImportOptions) -> Drawing:
     """Return the drawing of one storey."""
     model = _open(source)
+    try:
+        return _drawing(source, model, options)
+    except WorldError:
+        raise
+    except (RuntimeError, AttributeError, TypeError, ValueError, LookupError) as error:  # what a damaged model raises
+        reason = " ".join(str(error).split())[:200]
+        raise WorldError(f"{source.path}: {type(error).__name__} ({reason}), expected an undamaged IFC model") from None
+
+
+def _drawing(source: Source, model: Any, options: ImportOptions) -> Drawing:
     spaces = [(space, _storey(space)) for space in model.by_type("IfcSpace")]
     if not spaces:
         raise WorldError(f"{source.path}: no IfcSpace, expected rooms: export the model with its rooms or spaces")
@@ -64,10 +74,9 @@ def _open(source: Source) -> Any:
         import ifcopenshell
     except ImportError:
         raise WorldError(f"{source.path}: IFC needs the extra ifc: pip install 'regionslam-env[ifc]'") from None
+    text = source.text
     try:
-        return ifcopenshell.file.from_string(source.text)
-    except WorldError:
-        raise
+        return ifcopenshell.file.from_string(text)
     except Exception as error:  # the parser has a dozen exceptions of its own
         raise WorldError(f"{source.path}: {' '.join(str(error).split())[:200]}, expected an IFC model") from None
 

@@ -85,7 +85,7 @@ class ImportReport:
             "level": self.level,
             "levels": list(self.levels),
             "scale": self.scale,
-            "regions": [
+            "rooms": [
                 {**vars(room), "iou": round(room.iou, 4), "aligned_iou": round(room.aligned_iou, 4)}
                 for room in self.rooms
             ],
@@ -96,6 +96,7 @@ class ImportReport:
             "passages": self.passages,
             "furniture": self.furniture,
             "components": self.components,
+            "connected": self.components == 1,
             "dropped": [{"what": what, "why": why} for what, why in self.dropped],
             "notes": list(self.notes),
         }

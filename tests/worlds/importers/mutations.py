@@ -15,8 +15,17 @@ from regionslam_env.worlds.importers.realise import ImportOptions
 from tests.worlds.importers.examples import DATA, EXAMPLES
 
 NUMBER = re.compile(rb"-?\d+(?:\.\d+)?")
-ODD = [b"nan", b"NaN", b"-1", b"0", b"1e308", b"-1e999", b"1e6", b"99999999999999999999", b"null", b"true", b'"x"', b"[]", b"{}", b"''", b"0x1F", b"1.5.2"]  # fmt: skip
-JUNK = [b"\x00", b"\xff\xfe", b"<", b">", b"{", b"}", b"[[[[", b"]", b'"', b"'", b"&a ", b"*a ", b"<<: ", b"!!python/name:os ", b"\n", b"\t", b": ", b"- ", b"#", b";", b"(", b"$"]  # fmt: skip
+ODD = b"nan NaN -1 0 1e308 -1e999 1e6 99999999999999999999 null true \"x\" [] {} '' 0x1F 1.5.2".split()
+JUNK = [
+    *b"\x00 \xff\xfe < > { } [[[[ ] \" ' # ; ( $ <<: :".split(),
+    b"&a ",
+    b"*a ",
+    b"- ",
+    b": ",
+    b"\n",
+    b"\t",
+    b"!!python/name:os ",
+]
 LONGEST = 60
 
 
