@@ -51,6 +51,9 @@ FORMATS = (
     Format("rosmap", "ROS map", YAML, scalable=True),
     Format("ifc", "IFC", IFC),
 )
+COMPANIONS = (".rooms.yaml",)
+"""Endings of files that belong to others: annotations of a ROS map."""
+
 ENDINGS = (*JSON, *YAML, *XML, *IFC)
 
 
@@ -110,5 +113,5 @@ def plans_in(folder: Path) -> Iterator[Path]:
     for entry in sorted(folder.iterdir()):
         if entry.is_dir():
             yield from plans_in(entry)
-        elif Source(entry).ending in ENDINGS:
+        elif Source(entry).ending in ENDINGS and not entry.name.endswith(COMPANIONS):
             yield entry
