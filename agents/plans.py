@@ -103,14 +103,17 @@ def _plans(folder: Path) -> Iterator[Path]:
 
 
 def _attempts(file: Path, options: ImportOptions, all_levels: bool) -> Iterator[Attempt]:
-    """Yield the import of a file's best level, then those of its others."""
+    """Yield the import of a file's best level, then those of its others; nothing for a world of our own format."""
     from regionslam_env.errors import WorldError
+    from regionslam_env.worlds.format import is_native
     from regionslam_env.worlds.importers.formats import import_plan
 
     levels: list[str | None] = [options.level]
     while levels:
         level = levels.pop(0)
         try:
+            if is_native(file):
+                return
             imported = import_plan(file, replace(options, level=level))
         except WorldError as error:
             yield Attempt(file, None, " ".join(str(error).split()))

@@ -10,8 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from regionslam_env.errors import WorldError
-from regionslam_env.worlds.importers.formats import import_plan
-from regionslam_env.worlds.importers.realise import ImportOptions
+from regionslam_env.worlds.loading import load
 from tests.worlds.importers.examples import DATA, EXAMPLES
 
 NUMBER = re.compile(rb"-?\d+(?:\.\d+)?")
@@ -26,6 +25,7 @@ JUNK = [
     b"\t",
     b"!!python/name:os ",
 ]
+FILES = {**EXAMPLES, "ours": "ours.geojson"}
 LONGEST = 60
 
 
@@ -100,20 +100,19 @@ def guarded(seconds: int):
 
 
 def attempt(name: str, seed: int, folder: Path) -> bool:
-    """Damage one file of an example and import it; whether it still gave a world. Anything but `WorldError` escapes."""
+    """Damage one file of an example and load it; whether it still gave a world. Anything but `WorldError` escapes."""
     rng = random.Random(f"{name} {seed}")
     shutil.rmtree(folder, ignore_errors=True)
     shutil.copytree(DATA, folder)
-    target = folder / EXAMPLES[name]
+    target = folder / FILES[name]
     companions = [folder / "floor.rooms.yaml", folder / "floor.pgm"] if name == "rosmap" else []
     companions += [folder / "flat_furniture.yaml"] if name == "pyrobosim" else []
     files = sorted(target.iterdir()) if target.is_dir() else [target, target, *companions]
     damaged = rng.choice(files)
     damaged.write_bytes(mutated(damaged.read_bytes(), rng))
-    options = ImportOptions(scale=rng.choice([None, None, None, 0.01]))
     try:
         with guarded(60):
-            import_plan(target, options)
+            load(target, scale=rng.choice([None, None, None, 0.01]))
     except WorldError as error:
         assert str(folder) in str(error), f"the file is not named: {error}"
         assert len(str(error)) < 2000

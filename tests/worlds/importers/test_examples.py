@@ -11,6 +11,7 @@ from regionslam_env.worlds.format import load_world, save_world
 from regionslam_env.worlds.importers.formats import import_plan
 from regionslam_env.worlds.importers.realise import ImportOptions
 from regionslam_env.worlds.loading import load
+from regionslam_env.worlds.reachability import unreachable
 from tests.worlds.importers.examples import DATA, EXAMPLES, HOUSE, ROOMS, imported
 
 IFC = pytest.mark.skipif(importlib.util.find_spec("ifcopenshell") is None, reason="needs the extra ifc")
@@ -148,3 +149,16 @@ def test_where_no_label_means_anything_the_room_with_most_doors_is_a_hallway(tmp
     world, report = import_plan(path, ImportOptions())
     assert sorted(r.type for r in world.regions if r.type != "door") == ["hallway", "office", "office", "office"]
     assert any("no label says" in note for note in report.notes)
+
+
+@pytest.mark.compiled
+@pytest.mark.parametrize("name", NAMES)
+def test_a_robot_can_drive_in_every_import(name):
+    import gymnasium
+
+    env = gymnasium.make("RegionSLAM/GoTo-v0", world=str(DATA / EXAMPLES[name]))
+    env.reset(seed=1)
+    for _ in range(3):
+        env.step(env.action_space.sample())
+    assert unreachable(env.unwrapped.world) == ()
+    env.close()

@@ -4,10 +4,9 @@ import importlib.util
 
 import pytest
 
-from tests.worlds.importers.examples import EXAMPLES
-from tests.worlds.importers.mutations import attempt
+from tests.worlds.importers.mutations import FILES, attempt
 
-NAMES = [name for name in EXAMPLES if name != "ifc" or importlib.util.find_spec("ifcopenshell") is not None]
+NAMES = [name for name in FILES if name != "ifc" or importlib.util.find_spec("ifcopenshell") is not None]
 FEW, MANY = 15, 10_000
 
 
