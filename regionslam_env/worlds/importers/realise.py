@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -112,7 +113,8 @@ def _spaces(drawing: Drawing, words: Vocabulary) -> tuple[list[Space], dict[str,
     for room, kind in zip(drawing.rooms, kinds, strict=True):
         counts[kind] += 1
         ids[room.key] = f"{kind} {counts[kind]}"
-        name = room.name or f"{(room.label or kind).lower()} {counts[kind]}"
+        label = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", room.label).lower()
+        name = room.name or f"{label or kind} {counts[kind]}"
         spaces.append(Space(ids[room.key], kind, name, room.polygon))
     return spaces, ids
 
