@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 import shapely
 
-from regionslam_env.errors import WorldError
+from regionslam_env.errors import WorldError, short
 from regionslam_env.worlds.importers.drawing import Drawing, DrawnDoor, cleaned
 from regionslam_env.worlds.importers.node import LARGEST
 from regionslam_env.worlds.importers.realise import ImportOptions, realise
@@ -50,7 +50,7 @@ def load_luperto(path: str | Path, scale: float | None = None, door_width: float
 def refusal(source: Source) -> str | None:
     """Return why a file is no such plan, None where it is one."""
     root = source.xml
-    return None if root.tag == "building" else f"root element is <{root.tag}>, expected <building>"
+    return None if root.tag == "building" else f"root element is <{root.tag[:80]}>, expected <building>"
 
 
 def read(source: Source, options: ImportOptions) -> Drawing:
@@ -116,13 +116,13 @@ def _stated_scale(path: Path, root: ElementTree.Element) -> float | None:
     unit = (root.findtext("scale/real_distance/um") or "cm").strip().lower()
     metres = {"cm": 0.01, "mm": 0.001, "m": 1.0}.get(unit)
     if metres is None:
-        raise WorldError(f"{path}: scale/real_distance/um: expected cm, mm or m, got {unit!r}")
+        raise WorldError(f"{path}: scale/real_distance/um: expected cm, mm or m, got {short(unit)}")
     pixels, length = (
         _number(path, "scale/represented_distance/value", drawn),
         _number(path, "scale/real_distance/value", real),
     )
     if pixels <= 0 or length <= 0:
-        raise WorldError(f"{path}: scale: expected distances above 0, got {drawn!r} and {real!r}")
+        raise WorldError(f"{path}: scale: expected distances above 0, got {short(drawn)} and {short(real)}")
     return length * metres / pixels
 
 
@@ -135,9 +135,9 @@ def _spaces(path: Path, root: ElementTree.Element) -> Iterator[tuple[str, str, s
             continue
         key = space.get("id") or ""
         if not key or key in seen:
-            raise WorldError(f"{path}: <space id={key!r}>: expected an id that no other space has")
+            raise WorldError(f"{path}: <space id={short(key)}>: expected an id that no other space has")
         seen.add(key)
-        where = f"<space id={key!r}>/<bounding_polygon>"
+        where = f"<space id={short(key)}>/<bounding_polygon>"
         points = [_point(path, where, point) for point in ring.findall("point")]
         if len(set(points)) < 3:
             raise WorldError(f"{path}: {where}: expected at least 3 different points, got {len(set(points))}")
@@ -152,7 +152,7 @@ def _portals(path: Path, root: ElementTree.Element) -> Iterator[tuple[float, flo
     """Yield the midpoint (pixels) of every portal once, and the ids of its two spaces."""
     middles = {}
     for segment in root.iter("linesegment"):
-        points = [_point(path, f"<linesegment id={segment.get('id')!r}>", p) for p in segment.findall("point")]
+        points = [_point(path, f"<linesegment id={short(segment.get('id'))}>", p) for p in segment.findall("point")]
         if points and segment.get("id"):
             middles[segment.get("id")] = tuple(np.mean(points, axis=0))
     seen = set()
@@ -178,5 +178,5 @@ def _number(path: Path, field: str, text: str | None) -> float:
     except ValueError:
         value = math.nan
     if not math.isfinite(value) or abs(value) > LARGEST:
-        raise WorldError(f"{path}: {field}: expected a number, got {text!r}")
+        raise WorldError(f"{path}: {field}: expected a number, got {short(text)}")
     return value

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import shapely
 
-from regionslam_env.errors import WorldError
+from regionslam_env.errors import WorldError, short
 from regionslam_env.worlds.importers.drawing import Drawing, DrawnDoor
 from regionslam_env.worlds.importers.geodetic import check_degrees, origin_of, polygons_of, projected
 from regionslam_env.worlds.importers.levels import choose
@@ -50,7 +50,7 @@ class _Element:
 def refusal(source: Source) -> str | None:
     """Return why a file is none of these, None where it is one."""
     if source.ending in (".xml", ".osm"):
-        return None if source.xml.tag == "osm" else f"root element is <{source.xml.tag}>, expected <osm>"
+        return None if source.xml.tag == "osm" else f"root element is <{source.xml.tag[:80]}>, expected <osm>"
     value = source.json.value
     features = value.get("features") if isinstance(value, dict) else None
     for feature in features if isinstance(features, list) else ():
@@ -172,7 +172,8 @@ def _degrees(path: Path, node: ElementTree.Element) -> tuple[float, float]:
             value = math.nan
         if not abs(value) <= most:
             raise WorldError(
-                f"{path}: <node id={node.get('id')!r}> {key}: expected degrees up to {most}, got {node.get(key)!r}"
+                f"{path}: <node id={short(node.get('id'))}> {key}: expected degrees up to {most}, "
+                f"got {short(node.get(key))}"
             )
         values.append(value)
     return values[0], values[1]
