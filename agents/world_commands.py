@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-import itertools
-import math
 from collections import Counter
-from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import numpy as np
 import typer
 from rich.table import Table
 
@@ -19,7 +15,6 @@ from agents.options import Json
 
 if TYPE_CHECKING:
     from regionslam_env.worlds.world import World
-    from slam.rows import Row
 
 app = typer.Typer(help="List, show, import, generate and check worlds.", no_args_is_help=True, rich_markup_mode=None)
 app.command()(generate)
@@ -82,39 +77,54 @@ def show(
 
 @app.command("import")
 def import_world(
-    file: Annotated[Path, typer.Argument(help="A file that an importer understands.")],
-    out: Annotated[Path | None, typer.Argument(help="The world in our format (.geojson).")] = None,
+    file: Annotated[Path, typer.Argument(help="A building's file, its folder, or a folder of many of them.")],
+    out: Annotated[Path | None, typer.Option(help="The world in our format (.geojson); of many: a folder.")] = None,
+    level: Annotated[str | None, typer.Option(help="Which level; default: the one with the most rooms.")] = None,
+    scale: Annotated[float | None, typer.Option(help="Metres per unit of the file.")] = None,
+    types: Annotated[Path | None, typer.Option(help="Table of types (JSON) that overlays ours.")] = None,
+    assume_doors: Annotated[bool, typer.Option(help="Whether rooms without a way in get a door to a hallway.")] = True,
     json: Json = False,
 ) -> int:
-    """Turn a building's file into our format."""
-    from regionslam_env.worlds.format import save_world
-    from regionslam_env.worlds.loading import load
+    """Turn a building's file into our format and tell how well it went."""
+    from agents.plans import import_folder, import_one
+    from regionslam_env.worlds.importers.formats import is_one_building
+    from regionslam_env.worlds.importers.realise import ImportOptions
 
-    target = out or Path(file.stem + ".geojson")
-    if target.suffix.lower() not in (".geojson", ".json"):
-        raise InputError(f"{target}: ending {target.suffix!r}, expected .geojson")
-    world = load(file)
-    save_world(world, target)
-    facts = _facts(world)
-    console().print(f"{file} -> {target}: {facts['regions']} regions, {facts['doors']} doors")
-    if json:
-        print_json({**facts, "file": str(target)})
-    return DONE
+    options = ImportOptions(level, scale, types, assume_doors)
+    if file.is_dir() and not is_one_building(file):
+        return import_folder(file, out, options, json)
+    return import_one(file, out, options, json)
+
+
+@app.command()
+def survey(
+    folder: Annotated[Path, typer.Argument(help="A folder of buildings in any format.")],
+    json: Json = False,
+) -> int:
+    """Try to import every level of every building in a folder, and print how well each went."""
+    from agents.plans import survey_folder
+
+    return survey_folder(folder, json)
 
 
 @app.command()
 def validate(file: Annotated[Path, typer.Argument(help="The file of a world.")], json: Json = False) -> int:
     """Check a world's file; warn of regions that the robot cannot get to."""
     from regionslam_env.worlds.loading import load
+    from regionslam_env.worlds.reachability import unreachable
 
     world = load(file)
-    unreachable = _unreachable(world)
+    if all(region.type == "door" or region.parent is not None for region in world.regions):
+        raise InputError(
+            f"world {world.name!r} has no room: expected a region that is neither a door nor inside another"
+        )
+    out_of_reach = list(unreachable(world))
     say = console()
-    for name in unreachable:
-        say.print(f"warning: {file}: region {name!r}: out of reach for a robot of 0.2 m radius")
-    say.print(f"{file}: valid")
+    for name in out_of_reach:
+        say.print(f"warning: {file}: region {name!r}: out of reach for a robot of 0.2 m radius", markup=False)
+    say.print(f"{file}: valid", markup=False)
     if json:
-        print_json({**_facts(world), "valid": True, "unreachable": unreachable})
+        print_json({**_facts(world), "valid": True, "unreachable": out_of_reach})
     return DONE
 
 
@@ -128,30 +138,3 @@ def _facts(world: World) -> dict[str, Any]:
         "size": [round(x1 - x0, 2), round(y1 - y0, 2)],
         "types": dict(counts.most_common()),
     }
-
-
-def _unreachable(world: World) -> list[str]:
-    """Return the ids of the rooms that a robot of 0.2 m radius cannot get into from the floor's largest region."""
-    from regionslam_env.worlds.geodesic import Geodesic
-
-    rooms = [region for region in world.regions if region.parent is None and region.type != "door"]
-    if not rooms:
-        raise InputError(
-            f"world {world.name!r} has no room: expected a region that is neither a door nor inside another"
-        )
-    geodesic = Geodesic(world)
-    largest = max(rooms, key=lambda region: region.row.area)
-    start = next((point for point in _points(largest.row) if geodesic.free(*point)), None)
-    if start is None:
-        return [room.id for room in rooms]
-    return [room.id for room in rooms if not math.isfinite(geodesic.distance(start, [room.id]))]
-
-
-def _points(row: Row) -> Iterator[tuple[float, float]]:
-    """Yield points all over a region, its middle first."""
-    yield row.centre
-    for i in range(row.n):
-        for a, b in itertools.product(np.linspace(0.1, 0.9, 9), repeat=2):
-            local = [row.u[i] + a * (row.u[i + 1] - row.u[i]), row.b[i] + b * (row.t[i] - row.b[i])]
-            x, y = row.to_world([local])[0]
-            yield float(x), float(y)

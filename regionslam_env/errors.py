@@ -5,6 +5,9 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterable
 
+LONGEST = 80
+"""Names longer than this are not told to their end."""
+
 
 class ConfigError(ValueError):
     """A setting that is unknown, of the wrong type or out of range."""
@@ -30,11 +33,17 @@ def unknown(kind: str, name: object, known: Iterable[str]) -> str:
     lower: dict[str, str] = {}
     for candidate in names:
         lower.setdefault(candidate.lower(), candidate)
-    near = [lower[n] for n in difflib.get_close_matches(str(name).lower(), lower, n=3, cutoff=0.6)]
-    line = f"unknown {kind} {str(name)!r}"
+    near = [lower[n] for n in difflib.get_close_matches(str(name).lower()[:200], lower, n=3, cutoff=0.6)]
+    line = f"unknown {kind} {short(name)}"
     if near:
-        return f"{line}: did you mean {' or '.join(map(repr, near))}?"
+        return f"{line}: did you mean {' or '.join(map(short, near))}?"
     if not names:
         return line
-    shown = ", ".join(map(repr, names[:20])) + (", ..." if len(names) > 20 else "")
+    shown = ", ".join(map(short, names[:20])) + (", ..." if len(names) > 20 else "")
     return f"{line}: expected one of {shown}"
+
+
+def short(name: object) -> str:
+    """Return a name in quotes, its end cut off where it is very long."""
+    text = str(name)
+    return repr(text if len(text) <= LONGEST else text[:LONGEST] + "...")

@@ -6,7 +6,7 @@ cells is a candidate for a rectangle, and the best row of one, two or three is f
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from itertools import combinations
 
 import numpy as np
@@ -199,11 +199,18 @@ def _touching(bottom: NDArray[np.int64], top: NDArray[np.int64]) -> NDArray[np.b
 
 
 def _row(pieces: list[tuple[int, int, int, int]], along: Floats, across: Floats, heading: float) -> Row:
-    """Return the row of some pieces; the main rectangle is the middle one of three, else the largest."""
+    """Return the row of some pieces."""
     u = [along[pieces[0][0]], *(along[p[1]] for p in pieces)]
-    b, t = [across[p[2]] for p in pieces], [across[p[3]] for p in pieces]
+    return row_along(heading, u, [across[p[2]] for p in pieces], [across[p[3]] for p in pieces])
+
+
+def row_along(heading: float, u: Sequence[float], b: Sequence[float], t: Sequence[float]) -> Row:
+    """Return the row of edges u[0..n], bottoms and tops in a frame turned by a heading (rad) about the origin.
+
+    The main rectangle is the middle one of three, else the largest.
+    """
     areas = np.diff(u) * (np.array(t) - np.array(b))
-    main = 1 if len(pieces) == MAX_RECTANGLES else int(np.argmax(np.round(areas, 9)))
+    main = 1 if len(b) == MAX_RECTANGLES else int(np.argmax(np.round(areas, 9)))
     phi = heading if heading <= np.pi / 2 else heading - np.pi
     if phi != heading:
         u, b, t, main = (

@@ -19,7 +19,8 @@ DOOR_DEPTH = 0.2
 class Opening:
     """A gap in the wall between two regions, from (x0, y0) to (x1, y1), m.
 
-    `depth` is the extent across the wall: more than `DOOR_DEPTH` where the regions' borders do not coincide.
+    `depth` is the extent across the wall: more than `DOOR_DEPTH` where the regions' borders do not coincide. Where
+    there is no door, two rooms merely stand open to each other.
     """
 
     id: str
@@ -30,6 +31,7 @@ class Opening:
     y1: float
     depth: float = DOOR_DEPTH
     name: str = "door"
+    door: bool = True
 
     @property
     def row(self) -> Row:
@@ -56,7 +58,8 @@ def assemble(
     rooms
         Regions enclosed by walls.
     openings
-        Gaps between two rooms; each becomes a `Door`, a region of type "door" and a link to each of its rooms.
+        Gaps between two rooms; each becomes a `Door`, a region of type "door" and a link to each of its rooms, or just
+        a link of its two rooms where it is no door.
     furniture
         Regions that are obstacles as well; `parent` names the room.
     borders
@@ -72,6 +75,9 @@ def assemble(
     for gap in openings:
         ends = (gap.x0, gap.y0, gap.x1, gap.y1)
         walls = cut(walls, ends, gap.depth + 2e-3)
+        if not gap.door:
+            links.append(link_through(gap, by_id[gap.regions[0]], by_id[gap.regions[1]]))
+            continue
         doors.append(Door(gap.id, *ends, regions=gap.regions))
         region = Region(gap.id, "door", gap.name, gap.row)
         door_regions.append(region)
@@ -81,7 +87,8 @@ def assemble(
         walls = np.concatenate([walls, jambs])
     obstacles = tuple(corners for item in furniture for corners in item.row.rectangles())
     regions = (*rooms, *door_regions, *furniture)
-    return World(name, regions, walls, tuple(doors), obstacles, tuple(links), level, spawn)
+    once = {(link.source, link.target): link for link in links}
+    return World(name, regions, walls, tuple(doors), obstacles, tuple(once.values()), level, spawn)
 
 
 def link_between(door: Region, room: Region) -> Link:
@@ -95,6 +102,13 @@ def link_between(door: Region, room: Region) -> Link:
     else:
         side = int(np.argmin([distance_to_edges(room.row, *point)[1] for point in faces]))
     return Link(door.id, room.id, "tb"[side], distance_to_edges(room.row, *faces[side])[0])
+
+
+def link_through(gap: Opening, first: Region, second: Region) -> Link:
+    """Return the link of two rooms that stand open to each other: of each the edge nearest to the gap's middle."""
+    x, y = (gap.x0 + gap.x1) / 2, (gap.y0 + gap.y1) / 2
+    edges = (distance_to_edges(room.row, x, y)[0] for room in (first, second))
+    return Link(first.id, second.id, *edges)
 
 
 def distance_to_edges(row: Row, x: float, y: float) -> tuple[str, float]:

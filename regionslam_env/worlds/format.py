@@ -125,6 +125,23 @@ def read_json(path: Path) -> Any:
         raise WorldError(f"{path}: cannot be read: {error.strerror or error}") from None
     except UnicodeDecodeError as error:
         raise WorldError(f"{path}: byte {error.start} is not UTF-8, expected text in UTF-8") from None
+    return parse_json(path, text)
+
+
+def is_native(path: Path) -> bool:
+    """Return whether a JSON file is meant to be of our format: some feature has one of our kinds, or all have any."""
+    if path.is_dir() or path.suffix.lower() not in (".geojson", ".json"):
+        return False
+    data = read_json(path)
+    features = data.get("features") if isinstance(data, dict) else None
+    if not isinstance(features, list):
+        return False
+    kinds = [p.get("kind") for f in features if isinstance(f, dict) and isinstance(p := f.get("properties"), dict)]
+    return None not in kinds or any(kind in KINDS for kind in kinds if isinstance(kind, str))
+
+
+def parse_json(path: Path, text: str) -> Any:
+    """Return the JSON value of a file's text; `WorldError` where there is none."""
     if not text.strip():
         raise WorldError(f"{path}: is empty, expected a GeoJSON FeatureCollection")
     try:

@@ -7,13 +7,11 @@ from importlib import resources
 from pathlib import Path
 
 from regionslam_env.errors import WorldError, unknown
-from regionslam_env.worlds.format import load_world
+from regionslam_env.worlds.format import is_native, load_world
 from regionslam_env.worlds.generate.generator import KINDS
-from regionslam_env.worlds.importers.luperto import load_luperto
+from regionslam_env.worlds.importers.formats import ENDINGS, import_plan
+from regionslam_env.worlds.importers.realise import ImportOptions
 from regionslam_env.worlds.world import World
-
-SUFFIXES = (".geojson", ".json", ".xml")
-"""Endings of files that can be loaded."""
 
 
 def builtin_names() -> tuple[str, ...]:
@@ -22,16 +20,18 @@ def builtin_names() -> tuple[str, ...]:
     return tuple(sorted(Path(f.name).stem for f in folder.iterdir() if f.name.endswith(".geojson")))
 
 
-def load(world: str | Path | World, scale: float | None = None) -> World:
+def load(world: str | Path | World, scale: float | None = None, level: str | None = None) -> World:
     """Return a world by built-in name or path.
 
     Parameters
     ----------
     world
-        ``"institute"`` or another built-in name; the path of a GeoJSON file of our format or of a Luperto XML plan;
-        a `World` is handed back as it is.
+        ``"institute"`` or another built-in name; the path of a GeoJSON file of our format or of a plan in any format
+        of `importers.formats`, or of a folder that holds one building; a `World` is handed back as it is.
     scale
         Metres per unit of an imported plan, where its own scale is not to be trusted.
+    level
+        Which level of several; default: what the file names, or the level with the most rooms.
 
     Raises
     ------
@@ -44,27 +44,30 @@ def load(world: str | Path | World, scale: float | None = None) -> World:
     if name in builtin_names():
         return _builtin(name)
     path = Path(world)
-    suffix = path.suffix.lower()
+    check_there(path, name)
+    files = sorted(path.iterdir()) if path.is_dir() else [path]
+    status = [file.stat() for file in files]
+    return _file(path, scale, level, tuple((s.st_mtime_ns, s.st_size) for s in status))
+
+
+def check_there(path: Path, name: str) -> None:
+    """Refuse a path at which there is no file or folder; what looks like a name gets the nearest built-in ones."""
     try:
-        found = path.is_file()
+        found = path.is_file() or (path.is_dir() and name not in ("", "."))
     except (OSError, ValueError):  # a name too long for any file
         found = False
     if not found:
-        if suffix in SUFFIXES or len(path.parts) > 1:
-            raise WorldError(f"{path}: no such file, expected a world file ({', '.join(SUFFIXES)}) or a built-in name")
+        if path.suffix.lower() in ENDINGS or len(path.parts) > 1:
+            raise WorldError(f"{path}: no such file, expected a world file ({', '.join(ENDINGS)}) or a built-in name")
         raise WorldError(unknown("world", name, (*builtin_names(), *KINDS)))
-    if suffix not in SUFFIXES:
-        raise WorldError(f"{path}: ending {suffix!r}, expected one of {', '.join(SUFFIXES)}")
-    status = path.stat()
-    return _file(path, scale, status.st_mtime_ns, status.st_size)
 
 
 @lru_cache(maxsize=16)
-def _file(path: Path, scale: float | None, changed: int, size: int) -> World:
+def _file(path: Path, scale: float | None, level: str | None, state: tuple[tuple[int, int], ...]) -> World:
     """Read a file once as long as it does not change: worlds are immutable, and importing takes a while."""
-    if path.suffix.lower() == ".xml":
-        return load_luperto(path, scale=scale)
-    return load_world(path)
+    if is_native(path):
+        return load_world(path, level)
+    return import_plan(path, ImportOptions(level=level, scale=scale)).world
 
 
 @lru_cache(maxsize=16)

@@ -69,6 +69,40 @@ def fit_opening(
     return None
 
 
+def straight_opening(
+    name: str,
+    regions: tuple[str, str],
+    outlines: tuple[Floats, Floats],
+    point: tuple[float, float],
+    direction: float,
+    others: Sequence[shapely.LinearRing] = (),
+    width: float = 0.9,
+) -> Opening | None:
+    """Return an opening at a point, along a direction (rad), as deep as the borders within its width are apart.
+
+    A room around the other one has no border there. None where one of the two outlines does not come within `FARTHEST`
+    of the point for another reason, or that of a third room does.
+    """
+    along, middle = np.array([np.cos(direction), np.sin(direction)]), np.array(point)
+    across = np.array([-along[1], along[0]])
+    half, reach = along * (width / 2 - 0.01), across * FARTHEST
+    box = shapely.Polygon([middle - half - reach, middle + half - reach, middle + half + reach, middle - half + reach])
+    inside = [shapely.LinearRing(outline).intersection(box) for outline in outlines]
+    around = [shapely.Polygon(outline).contains(shapely.Point(point)) for outline in outlines]
+    if any(line.is_empty and not contains for line, contains in zip(inside, around, strict=True)):
+        return None
+    spans = [np.sort((shapely.get_coordinates(line) - middle) @ across) for line in inside if not line.is_empty]
+    if not spans:
+        return None
+    nearest = [span[np.argsort(np.abs(span))[:2]] for span in spans]
+    low, high = min(map(np.min, nearest)), max(map(np.max, nearest))
+    centre, depth = middle + across * (low + high) / 2, DOOR_DEPTH + float(high - low)
+    if _crossed(others, centre, along, width, depth):
+        return None
+    (x0, y0), (x1, y1) = centre - half, centre + half
+    return Opening(name, regions, float(x0), float(y0), float(x1), float(y1), depth)
+
+
 def jambs(opening: Opening, inset: float = 0.0) -> Floats:
     """Return the walls on both sides of an opening that is deeper than a wall, shape (0 or 2, 4), m."""
     if opening.depth <= DOOR_DEPTH + 1e-6:

@@ -13,12 +13,22 @@ from regionslam_env.errors import WorldError, unknown
 from regionslam_env.worlds.alignment import align
 from regionslam_env.worlds.annotate import annotate, side_directions
 from regionslam_env.worlds.floorplan import Opening, assemble
-from regionslam_env.worlds.passages import fit_opening, jambs
+from regionslam_env.worlds.passages import fit_opening, jambs, straight_opening
+from regionslam_env.worlds.refine import refine
 from regionslam_env.worlds.world import Region, World
 from slam.rows import MAX_RECTANGLES, Floats, Row
 
+WELL = 0.95
+"""IoU of rows that are left on the corners of their polygons."""
+
+GAIN = 0.01
+"""IoU that leaving the corners must bring."""
+
 NEAR = 0.35
 """A room's walls stand on the edges of its row but where its polygon deviates by more than this, m."""
+
+REACH = 6.0
+"""Rooms farther than this (m) from a portal have no say in where its opening goes."""
 
 OWN_HEADING = 0.03
 """IoU that a row of its own heading must gain over one parallel to the building."""
@@ -36,11 +46,36 @@ class Space:
 
 @dataclass(frozen=True)
 class Portal:
-    """A door as drawn: a point (m) and the ids of the two spaces that it joins."""
+    """A door as drawn: a point (m) and the ids of the two spaces that it joins.
+
+    `width` (m) and `direction` (rad, along the door) where they are known.
+    """
 
     x: float
     y: float
     spaces: tuple[str, str]
+    width: float | None = None
+    direction: float | None = None
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Spaces and what became of them: their regions, and the outlines on which walls stand.
+
+    `fits` are the IoU of space and region before edges were moved onto common walls.
+    """
+
+    name: str
+    spaces: tuple[Space, ...]
+    rooms: tuple[Region, ...]
+    fits: tuple[float, ...]
+    outlines: dict[str, Floats]
+
+    def iou(self, i: int) -> float:
+        """Return intersection over union of a space and its region."""
+        shape = shapely.union_all(shapely.polygons(self.rooms[i].row.rectangles()))
+        inside = shape.intersection(self.spaces[i].polygon).area
+        return float(inside / (shape.area + self.spaces[i].polygon.area - inside))
 
 
 def build(name: str, spaces: Sequence[Space], portals: Sequence[Portal], door_width: float = 0.9) -> World:
@@ -54,17 +89,36 @@ def build(name: str, spaces: Sequence[Space], portals: Sequence[Portal], door_wi
     WorldError
         For a plan without spaces, or a door that names an unknown space.
     """
+    layout = lay_out(name, spaces)
+    openings, _ = place(layout, portals, door_width)
+    return close(layout, openings)
+
+
+def lay_out(name: str, spaces: Sequence[Space]) -> Layout:
+    """Return the regions of a plan's spaces."""
     if not spaces:
         raise WorldError(f"plan {name!r}: no space with an outline, expected at least one")
     spaces = _without_overlaps(spaces)
     heading = building_heading(spaces)
-    rows = align([_annotated(space.polygon, heading) for space in spaces], heading)
-    rows = [joined(row) for row in rows]
-    rooms = [Region(s.id, s.type, s.name, row) for s, row in zip(spaces, rows, strict=True)]
+    fitted = [_annotated(space.polygon, heading) for space in spaces]
+    rows = [joined(row) for row in align([row for row, _ in fitted], heading)]
+    rooms = tuple(Region(s.id, s.type, s.name, row) for s, row in zip(spaces, rows, strict=True))
     outlines = {s.id: wall_outline(row, s.polygon) for s, row in zip(spaces, rows, strict=True)}
-    openings = _openings(name, portals, outlines, door_width)
+    return Layout(name, tuple(spaces), rooms, tuple(iou for _, iou in fitted), outlines)
+
+
+def close(layout: Layout, openings: Sequence[Opening], furniture: Sequence[Region] = (), level: str = "0") -> World:
+    """Return the world of a layout: walls around every room but where the openings are."""
     extra = [segment for opening in openings for segment in jambs(opening)]
-    return assemble(name, rooms, openings, borders=list(outlines.values()), jambs=np.array(extra).reshape(-1, 4))
+    return assemble(
+        layout.name,
+        layout.rooms,
+        openings,
+        furniture,
+        borders=list(layout.outlines.values()),
+        jambs=np.array(extra).reshape(-1, 4),
+        level=level,
+    )
 
 
 def building_heading(spaces: Sequence[Space]) -> float:
@@ -109,14 +163,22 @@ def joined(row: Row, tolerance: float = 0.1) -> Row:
     return Row.from_parameters(**Row(row.x, row.y, row.phi, np.array(u), np.array(b), np.array(t), main).parameters())
 
 
-def _annotated(polygon: shapely.Polygon, heading: float) -> Row:
-    """Return the row along the building, or along the room's own sides where that fits better."""
+def _annotated(polygon: shapely.Polygon, heading: float) -> tuple[Row, float]:
+    """Return the row along the building, or along the room's own sides where that fits better, and its IoU.
+
+    Where neither fits well, as with slanted walls, the lines leave the corners (`refine`).
+    """
     row, iou = annotate(polygon, [heading])
     if iou < 1 - OWN_HEADING:
         own_row, own_iou = annotate(polygon)
         if own_iou > iou + OWN_HEADING:
-            return own_row
-    return row
+            row, iou = own_row, own_iou
+    if iou < WELL:
+        for direction in (heading, *side_directions(polygon, most=2)):
+            refined, better = refine(polygon, direction)
+            if better > iou + GAIN:
+                row, iou = refined, better
+    return row, iou
 
 
 def _without_overlaps(spaces: Sequence[Space]) -> list[Space]:
@@ -138,30 +200,35 @@ def _largest(shape: shapely.Geometry) -> shapely.Polygon:
     return max(parts, key=lambda p: p.area, default=shapely.Polygon())
 
 
-def _openings(name: str, portals: Sequence[Portal], outlines: dict[str, Floats], width: float) -> list[Opening]:
-    """Return an opening for every portal that can have one; two of one pair within its width are the same."""
+def place(
+    layout: Layout, portals: Sequence[Portal], width: float, first: int = 1
+) -> tuple[list[Opening], list[Portal]]:
+    """Return an opening for every portal that can have one, and the portals that cannot.
+
+    Where the borders of its rooms do not run side by side, a portal of known direction is cut straight through them.
+    Two of one pair of rooms within their width are the same. Openings are numbered from `first`.
+    """
     openings: list[Opening] = []
-    rings = {key: shapely.LinearRing(outline) for key, outline in outlines.items()}
+    failed: list[Portal] = []
+    rings = {key: shapely.LinearRing(outline) for key, outline in layout.outlines.items()}
     for portal in portals:
         for space in portal.spaces:
-            if space not in outlines:
-                raise WorldError(
-                    f"plan {name!r}: portal at ({portal.x:.2f}, {portal.y:.2f}): {unknown('space', space, outlines)}"
-                )
-        first, second = portal.spaces
-        others = [ring for key, ring in rings.items() if key not in portal.spaces]
-        found = fit_opening(
-            f"door {len(openings) + 1}",
-            (first, second),
-            (outlines[first], outlines[second]),
-            (portal.x, portal.y),
-            others,
-            width,
-        )
-        if found is None or any(_same(found, other) for other in openings):
-            continue
-        openings.append(found)
-    return openings
+            if space not in rings:
+                where = f"portal at ({portal.x:.2f}, {portal.y:.2f})"
+                raise WorldError(f"plan {layout.name!r}: {where}: {unknown('space', space, rings)}")
+        a, b = portal.spaces
+        reach = shapely.box(portal.x - REACH, portal.y - REACH, portal.x + REACH, portal.y + REACH)
+        others = [ring for key, ring in rings.items() if key not in portal.spaces and ring.intersects(reach)]
+        number, pair, point = f"door {first + len(openings)}", (a, b), (portal.x, portal.y)
+        outlines = (layout.outlines[a], layout.outlines[b])
+        found = fit_opening(number, pair, outlines, point, others, portal.width or width)
+        if found is None and portal.direction is not None:
+            found = straight_opening(number, pair, outlines, point, portal.direction, others, portal.width or width)
+        if found is None:
+            failed.append(portal)
+        elif not any(_same(found, other) for other in openings):
+            openings.append(found)
+    return openings, failed
 
 
 def _same(first: Opening, second: Opening) -> bool:

@@ -11,6 +11,7 @@ from agents import cli
 from agents.cli import app
 from agents.run import SUMMARY_KEYS
 
+EXAMPLES = Path(__file__).parents[1] / "worlds" / "importers" / "data"
 START_IN_A_LINE = ("run", "go to the hallway", "--seed", "3")
 
 
@@ -100,6 +101,14 @@ def test_a_failed_mission_has_exit_code_1(monkeypatch):
         (("world", "show", "institut"), ("institut", "institute")),
         (("world", "lst"), ("lst", "list")),
         (("world", "import", "no.xml"), ("no.xml",)),
+        (("world", "import", EXAMPLES / "floor.yaml", "--scale", "-1"), ("floor.yaml", "scale is -1.0", "above 0")),
+        (("world", "import", EXAMPLES / "imdf", "--scale", "2"), ("imdf", "scale is 2.0", "unit of its own")),
+        (("world", "import", EXAMPLES / "imdf", "--level", "Ground flor"), ("Ground flor", "'Ground floor'")),
+        (("world", "import", EXAMPLES / "floor.yaml", "--types", "no.json"), ("no.json",)),
+        (("world", "import", EXAMPLES / "floor.yaml", "--out", "w.png"), ("w.png", "expected .geojson")),
+        (("world", "import", EXAMPLES / "floor.rooms.yaml"), ("floor.rooms.yaml", "import the map itself")),
+        (("world", "import", EXAMPLES, "--out", "w.geojson"), ("w.geojson", "expected a folder")),
+        (("world", "survey", "nowhere"), ("nowhere", "no folder")),
     ],
 )
 def test_bad_input_is_one_line_with_the_nearest_names(args, words, tmp_path, monkeypatch):
@@ -144,10 +153,43 @@ def test_a_world_survives_import_and_validation(tmp_path):
 
     original, copy = tmp_path / "a.geojson", tmp_path / "b.geojson"
     save_world(load("institute"), original)
-    imported = last_json(invoke("world", "import", original, copy, "--json"))
+    imported = last_json(invoke("world", "import", original, "--out", copy, "--json"))
     assert imported["regions"] == len(load("institute").regions)
     valid = last_json(invoke("world", "validate", copy, "--json"))
     assert valid["valid"] is True and valid["unreachable"] == []
+
+
+def test_a_building_is_imported_with_a_report(tmp_path):
+    table, out = tmp_path / "own.json", tmp_path / "shop.geojson"
+    table.write_text('{"labels": {"supplies": "workshop"}}')
+    result = invoke("world", "import", EXAMPLES / "shop.building.yaml", "--out", out, "--types", table, "--json")
+    assert result.exit_code == 0, result.output
+    values = last_json(result)
+    assert (values["doors"], values["connected"], values["level"], values["levels"]) == (3, True, "L1", ["L1", "L2"])
+    assert values["good_share"] == 1.0 and values["flagged"] == []
+    assert sorted(room["type"] for room in values["rooms"]) == ["hallway", "kitchen", "office", "workshop"]
+    assert values["dropped"] == [{"what": "door at (5.0, -9.0)", "why": "leads to one room only"}]
+    assert "every room can be reached by doors" in result.stdout
+    assert last_json(invoke("world", "show", out, "--json"))["types"]["workshop"] == 1
+
+
+def test_a_folder_of_buildings_is_imported_and_refusals_are_told(tmp_path):
+    source = tmp_path / "plans"
+    source.mkdir()
+    for name in ("home.json", "cottage.xml"):
+        (source / name).write_bytes((EXAMPLES / name).read_bytes())
+    (source / "broken.yaml").write_text("rooms: 3")
+    result = invoke("world", "import", source, "--out", tmp_path / "worlds", "--json")
+    assert result.exit_code == 1, result.output
+    values = last_json(result)
+    assert sorted(f.name for f in (tmp_path / "worlds").iterdir()) == ["cottage.geojson", "home.geojson"]
+    assert [Path(refused["file"]).name for refused in values["refused"]] == ["broken.yaml"]
+    assert "tried" in values["refused"][0]["why"] and values["rooms"] == 8
+    survey = invoke("world", "survey", source, "--json")
+    assert survey.exit_code == 1 and last_json(survey)["good_share"] == 1.0
+    for name in ("home.json", "cottage.xml"):
+        (source / name).unlink()
+    assert invoke("world", "survey", source).exit_code == 2
 
 
 @pytest.mark.compiled

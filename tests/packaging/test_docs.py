@@ -58,3 +58,29 @@ def test_every_module_after_an_equation_of_the_paper_is_linked():
     linked = {(PAGE.parent / target).resolve() for _, target in NAMED}
     assert cited
     assert cited - linked == set()
+
+
+BUILDINGS = PAGE.with_name("bring-your-own-building.md").read_text(encoding="utf-8")
+
+
+def test_the_examples_for_buildings_are_what_importers_read(tmp_path):
+    import yaml
+
+    from regionslam_env.worlds.importers.vocabulary import vocabulary
+
+    (annotations,) = re.findall(r"```yaml\n(.*?)```", BUILDINGS, flags=re.DOTALL)
+    assert set(yaml.safe_load(annotations)) == {"rooms", "doors"}
+    (table,) = re.findall(r"```json\n(.*?)```", BUILDINGS, flags=re.DOTALL)
+    (tmp_path / "t.json").write_text(table, encoding="utf-8")
+    words = vocabulary("ifc", tmp_path / "t.json")
+    assert words.type_of("Chemistry") == "laboratory" and words.area_of("Aula") == 120
+    assert words.type_of("Executive Office 2.13") == "office"
+
+
+def test_every_option_of_an_import_is_told():
+    import inspect
+
+    from agents.world_commands import import_world
+
+    told = set(re.findall(r"`--(?:no-)?([a-z-]+)", BUILDINGS))
+    assert {name.replace("_", "-") for name in inspect.signature(import_world).parameters} - {"file"} == told

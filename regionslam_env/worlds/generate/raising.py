@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections import Counter, defaultdict
 from collections.abc import Iterable
-from dataclasses import replace
 
 import numpy as np
 
-from regionslam_env.worlds.floorplan import Opening, assemble, distance_to_edges
+from regionslam_env.worlds.floorplan import Opening, assemble
 from regionslam_env.worlds.generate.draft import Box, Draft, Gap, Room, sides
-from regionslam_env.worlds.world import Link, Region, World
+from regionslam_env.worlds.world import Region, World
 from slam.rows import Floats, Row
 
 PER_METRE = 10
@@ -23,17 +22,15 @@ def raise_world(name: str, draft: Draft) -> World:
     """Return the world of a draft."""
     numbers: Counter[str] = Counter()
     regions = {room: _region(room, numbers) for room in draft.rooms}
-    doors = [gap for gap in draft.gaps if gap.door]
-    openings = [_opening(f"door {k + 1}", gap, regions) for k, gap in enumerate(doors)]
+    gaps = sorted(draft.gaps, key=lambda gap: not gap.door)  # doors first, which are numbered
+    openings = [_opening(f"door {k + 1}", gap, regions) for k, gap in enumerate(gaps)]
     furniture = []
     for item in draft.items:
         numbers[item.type] += 1
         label = f"{item.type} {numbers[item.type]}"
         furniture.append(Region(label, item.type, label, _row([item.box], None), parent=regions[item.room].id))
     walls = np.array(walls_of(draft), dtype=np.float64).reshape(-1, 4) / PER_METRE
-    world = assemble(name, list(regions.values()), openings, furniture, borders=[], jambs=walls)
-    open_links = [_link(gap, regions) for gap in draft.gaps if not gap.door]
-    return replace(world, links=(*world.links, *open_links)) if open_links else world
+    return assemble(name, list(regions.values()), openings, furniture, borders=[], jambs=walls)
 
 
 def walls_of(draft: Draft) -> list[tuple[int, int, int, int]]:
@@ -121,12 +118,4 @@ def _ends(gap: Gap) -> Floats:
 def _opening(name: str, gap: Gap, regions: dict[Room, Region]) -> Opening:
     first, second = (regions[room].id for room in gap.rooms)
     x0, y0, x1, y1 = _ends(gap).tolist()
-    return Opening(name, (first, second), x0, y0, x1, y1, name=name)
-
-
-def _link(gap: Gap, regions: dict[Room, Region]) -> Link:
-    """Return the link of two rooms with no door between them."""
-    x0, y0, x1, y1 = _ends(gap).tolist()
-    first, second = (regions[room] for room in gap.rooms)
-    edges = (distance_to_edges(region.row, (x0 + x1) / 2, (y0 + y1) / 2)[0] for region in (first, second))
-    return Link(first.id, second.id, *edges)
+    return Opening(name, (first, second), x0, y0, x1, y1, name=name, door=gap.door)
