@@ -196,7 +196,7 @@ def _parts(
     candidates, counts = np.empty((n, m * CANDIDATES_PER_MEASUREMENT), CANDIDATE), np.zeros(n, np.int64)
     yield "association", associate, (particles, maps, near, n_near, measured, p, links, candidates, counts)
     yield "proposal", propose, (particles, maps, measured, links, p)
-    yield "draw", draw, (particles, np.zeros((n, 3)))
+    yield "draw", draw, (particles, np.zeros((n, 3)), p.drawn_share)
     yield "semantics", update_semantics, (particles, maps, near, n_near, measured, candidates, counts, p, priors)
     yield "geometry", update_geometry, (particles, maps, near, n_near, measured, links, number, p)
     yield "topology", update_topology, (particles, maps, links, seen.relations, p, priors)

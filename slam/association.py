@@ -223,7 +223,9 @@ def assign(candidates: Array, associations: Array, measured: Array, taken: Array
                 open_pairs[c] = False
     for c in range(len(candidates)):
         doubt = candidates[c]
-        if doubt.same_type and associations[doubt.z].slot == NEW and taken[doubt.slot] < 0:
+        # What fits a region that another measurement of the scan fits even better may be a second view of it.
+        in_doubt = taken[doubt.slot] < 0 or doubt.distance < p.gate_associate
+        if doubt.same_type and associations[doubt.z].slot == NEW and in_doubt:
             associations[doubt.z].slot = AMBIGUOUS
     for c in range(len(candidates)):
         taken[candidates[c].slot] = -1

@@ -72,13 +72,14 @@ def update_geometry(
         # New regions come last: a region born in this scan explains no other measurement of it.
         for j in range(len(measured)):
             if associations[i, j].slot == NEW:
-                slot = begin(maps, i, born, j, measured[j, 0], particle, scan_number, p)
+                slot = begin(maps, i, born, j, measured[j, 0], particle.pose, scan_number, p)
+                doubt_pose(own(maps, i, slot), particle.pose, particle.cov)
                 associations[i, j].slot = near[i, n_near[i]] = slot
                 n_near[i] += 1
 
 
 @lean
-def begin(maps: Record, i: int, born: Array, j: int, z: Record, particle: Record, scan_number: int, p: Record) -> int:
+def begin(maps: Record, i: int, born: Array, j: int, z: Record, pose: Array, scan_number: int, p: Record) -> int:
     """Add the region that measurement j of this scan begins to the map of particle i; return its slot.
 
     `born` (M,) holds the slots of the scan's new regions, -1 where no particle has begun it yet.
@@ -87,8 +88,7 @@ def begin(maps: Record, i: int, born: Array, j: int, z: Record, particle: Record
     if born[j] < 0:
         born[j] = new_slot(maps, region_id)
     m = add(maps, i, born[j])
-    start(z, particle.pose, m, p)
-    doubt_pose(m, particle.pose, particle.cov)
+    start(z, pose, m, p)
     m.id, m.last_seen = region_id, scan_number
     cover(maps, born[j], m)
     return born[j]

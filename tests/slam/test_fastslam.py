@@ -237,7 +237,9 @@ def clutter(rng: np.random.Generator) -> RegionMeasurement:
 def test_clutter_breaks_nothing(seed: int) -> None:
     """Whatever comes, every particle's map stays sound: finite, ordered, positive, with whole lists of links."""
     rng = np.random.default_rng(seed)
-    slam = RegionSLAM(SlamConfig(n_particles=2, gate_associate=200, confirmed_after=1, relocalise=False), seed=seed)
+    slam = RegionSLAM(
+        SlamConfig(n_particles=2, gate_associate=200, gate_new=200, confirmed_after=1, relocalise=False), seed=seed
+    )
     view = np.array([[9.0, -9], [9, 9], [-9, 9], [-9, -9]])
     kept: list[RegionMeasurement] = []
     for _ in range(15):
