@@ -5,6 +5,7 @@ from __future__ import annotations
 import multiprocessing
 import os
 import signal
+import threading
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
@@ -48,7 +49,7 @@ def over_seeds(
     others = set(multiprocessing.active_children())
     context = multiprocessing.get_context("spawn")  # a fork would copy the progress display's thread half alive
     with _single_threaded():
-        pool = ProcessPoolExecutor(workers, context, initializer=_leave_interrupts_to_the_parent)
+        pool = ProcessPoolExecutor(workers, context, initializer=_depend_on_the_parent)
         futures = [pool.submit(function, seed) for seed in seeds]
     try:
         for future in futures:
@@ -76,5 +77,14 @@ def _single_threaded() -> Iterator[None]:
                 os.environ[name] = value
 
 
-def _leave_interrupts_to_the_parent() -> None:
+def _depend_on_the_parent() -> None:
+    """Leave interrupts to the parent, and end with it, even where it was killed."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_end_with_the_parent, daemon=True).start()
+
+
+def _end_with_the_parent() -> None:
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)

@@ -2,6 +2,10 @@ from __future__ import annotations
 
 import multiprocessing
 import os
+import subprocess
+import sys
+import threading
+import time
 
 import pytest
 
@@ -36,6 +40,27 @@ def test_leaving_early_stops_the_processes():
     assert next(results) == "0x0"
     results.close()
     assert multiprocessing.active_children() == []
+
+
+def test_processes_end_with_a_parent_that_is_killed(tmp_path):
+    """The workers hold a pipe's writing end open: it is read to its end once they are gone."""
+    code = """
+import time
+from agents.parallel import over_seeds
+if __name__ == "__main__":
+    list(over_seeds(time.sleep, [0, 0, 600, 600], lambda: print(flush=True), 2))
+"""
+    script = tmp_path / "killed.py"
+    script.write_text(code)
+    with subprocess.Popen([sys.executable, str(script)], stdout=subprocess.PIPE) as parent:
+        assert parent.stdout is not None
+        parent.stdout.readline()
+        time.sleep(3)  # until the workers are at it
+        parent.kill()
+        reader = threading.Thread(target=parent.stdout.read, daemon=True)
+        reader.start()
+        reader.join(60)
+        assert not reader.is_alive()
 
 
 def test_there_is_a_processor():
