@@ -135,7 +135,8 @@ def make_environment(settings: RunSettings, world: World) -> gymnasium.Env[Any, 
 
 
 def _moment(base: Any, agent: Any, step: int) -> Moment:
-    place = base.belief.map.describe(base.belief.pose_mean) if step % 10 == 1 else ""
+    belief = base.belief
+    place = belief.map.describe(belief.pose_mean, probabilities=belief.where()) if step % 10 == 1 else ""
     return Moment(step, step * base.robot.step, base.simulation.path_length, agent.say(), place)
 
 
