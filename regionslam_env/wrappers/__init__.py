@@ -1,0 +1,7 @@
+"""Other forms of observations and actions of the same environment."""
+
+from regionslam_env.wrappers.discrete_actions import MOTIONS, DiscreteActions
+from regionslam_env.wrappers.flat_observation import FlatObservation
+from regionslam_env.wrappers.graph_observation import EdgeKind, GraphObservation
+
+__all__ = ["MOTIONS", "DiscreteActions", "EdgeKind", "FlatObservation", "GraphObservation"]
