@@ -16,12 +16,13 @@ if TYPE_CHECKING:
     from regionslam_env.observations import LinkColumn, RegionColumn, link_table, region_table
     from regionslam_env.tasks.rewards import RewardConfig
     from regionslam_env.worlds.world import World
-    from regionslam_env.wrappers import DiscreteActions, FlatObservation
+    from regionslam_env.wrappers import DiscreteActions, FlatObservation, GraphObservation, TextObservation
 
 __all__ = [
     "SEMANTIC_TYPES",
     "DiscreteActions",
     "FlatObservation",
+    "GraphObservation",
     "LinkColumn",
     "NoiseConfig",
     "RegionColumn",
@@ -29,6 +30,7 @@ __all__ = [
     "RobotConfig",
     "SemanticNavigationEnv",
     "SensorConfig",
+    "TextObservation",
     "World",
     "link_table",
     "region_table",
@@ -39,6 +41,8 @@ _HOME = {
     "SEMANTIC_TYPES": "config",
     "DiscreteActions": "wrappers",
     "FlatObservation": "wrappers",
+    "GraphObservation": "wrappers",
+    "TextObservation": "wrappers",
     "NoiseConfig": "config",
     "RobotConfig": "config",
     "SensorConfig": "config",

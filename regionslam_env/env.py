@@ -290,7 +290,8 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     def _perceive(self, odometry: Odometry, pose: Floats, true_pose: Floats) -> Belief:
         """Measure from a true pose (world frame; `true_pose` in the map frame) and return the updated belief."""
         self.ranges = self._lidar.measure(pose)
-        belief = self._localizer.step(odometry, self._region_sensor.measure(pose), true_pose)
+        self.scan = self._region_sensor.measure(pose)
+        belief = self._localizer.step(odometry, self.scan, true_pose)
         if self.render_mode == "rgb_array":
             self._true_path.append(pose)
             self._path.append(belief.pose_mean)
@@ -316,6 +317,11 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     def belief(self) -> Belief:
         """What the robot believes after the last step."""
         return self._localizer.belief
+
+    @property
+    def slot_ids(self) -> NDArray[np.int64]:
+        """Ids of the regions in the rows of the last observation, -1 where there never was one, shape (S,)."""
+        return self._observer.slot_ids
 
     @property
     def true_pose(self) -> Floats:

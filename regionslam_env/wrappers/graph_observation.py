@@ -69,7 +69,7 @@ class GraphObservation(gymnasium.ObservationWrapper[GraphInstance, Any, Observat
         high = np.concatenate([np.maximum(high, 0) for _, high in bounds.values()])
         self.observation_space = spaces.Graph(
             spaces.Box(np.float32(low), np.float32(high), dtype=np.float32),
-            spaces.Box(np.float32([0, 0]), np.float32([1, max(EdgeKind)]), dtype=np.float32),
+            spaces.Box(np.zeros(2, np.float32), np.array([1, max(EdgeKind)], np.float32), dtype=np.float32),
         )
 
     def _node_bounds(self, space: spaces.Dict) -> dict[str, tuple[NDArray[Any], NDArray[Any]]]:

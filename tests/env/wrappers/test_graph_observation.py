@@ -18,7 +18,7 @@ def rooms():
     built = Believed(TYPES)
     built.put(0, 10, "office").put(1, 11, "kitchen", at=(5.0, 0.0)).put(3, 12, "door", at=(1.0, 0.0), u=(-0.1, 0.1))
     built.put(4, 13, "other", at=(-0.5, 0.0), u=(-0.1, 0.1), b=(-0.1,), t=(0.1,), existence=0.6)
-    return built.link(0, 3, p=0.9).link(3, 1, p=0.8).link(0, 4, kind=1, p=0.7)
+    return built.link(0, 3, p=0.9).link(3, 1, p=0.8).link(4, 0, kind=1, p=0.7)
 
 
 def padded(graph, columns, n_slots):
