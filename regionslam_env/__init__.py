@@ -16,7 +16,13 @@ if TYPE_CHECKING:
     from regionslam_env.observations import LinkColumn, RegionColumn, link_table, region_table
     from regionslam_env.tasks.rewards import RewardConfig
     from regionslam_env.worlds.world import World
-    from regionslam_env.wrappers import DiscreteActions, FlatObservation, GraphObservation, TextObservation
+    from regionslam_env.wrappers import (
+        DiscreteActions,
+        FlatObservation,
+        GraphObservation,
+        SemanticActions,
+        TextObservation,
+    )
 
 __all__ = [
     "SEMANTIC_TYPES",
@@ -28,6 +34,7 @@ __all__ = [
     "RegionColumn",
     "RewardConfig",
     "RobotConfig",
+    "SemanticActions",
     "SemanticNavigationEnv",
     "SensorConfig",
     "TextObservation",
@@ -42,6 +49,7 @@ _HOME = {
     "DiscreteActions": "wrappers",
     "FlatObservation": "wrappers",
     "GraphObservation": "wrappers",
+    "SemanticActions": "wrappers",
     "TextObservation": "wrappers",
     "NoiseConfig": "config",
     "RobotConfig": "config",

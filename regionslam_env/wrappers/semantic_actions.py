@@ -1,0 +1,109 @@
+"""Actions that mean something: drive to this region of the map."""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import Any
+
+import gymnasium
+import numpy as np
+from gymnasium import spaces
+from numpy.typing import NDArray
+
+from regionslam_env.control.controller import LocalController
+from regionslam_env.control.window import Window
+from regionslam_env.env import SemanticNavigationEnv
+from regionslam_env.observations import Observation
+from regionslam_env.wrappers.region_drive import RegionDrive
+
+ARRIVED_AFTER = 1.0
+"""A drive ends when the robot has been in the region for this long, s."""
+
+
+class SemanticActions(gymnasium.Wrapper[Observation, np.int64, Observation, NDArray[np.float32]]):
+    """Offers to drive to the region in a slot of the map; one step of it lasts until that drive is over.
+
+    Action k drives to the region that holds slot k (row k of the observation's table) at that moment; the drive keeps
+    to this region even if it gets another slot or none. The built-in controller drives on belief and lidar alone,
+    through the doors that links lead through: into the region, up to a thing that cannot be entered, or to the middle
+    of a region that the robot is in already. With `arrival="declare"` there is one action more, which declares.
+
+    Rewards and reward terms are summed over the steps of the environment. `info` is that of the last one, and also has
+
+    * ``steps``: how many steps of the environment it took,
+    * ``outcome``: "arrived" (a second ago), "blocked" (no way on), "limit", "ended" (the episode did), "declared" or
+      "refused",
+    * ``action_mask``: which actions can be chosen next, int8 (also after a reset).
+
+    An action whose slot is empty is refused: the robot stands still for one step. Right after a reset the map is empty,
+    so that whatever is chosen is refused until something has been seen often enough, after a step or two.
+
+    Parameters
+    ----------
+    env
+        A `SemanticNavigationEnv`, or one in wrappers that keep its observations and actions. Wrappers of observations
+        go around this one.
+    limit
+        Steps of the environment that a drive may last.
+    """
+
+    def __init__(self, env: gymnasium.Env[Observation, NDArray[np.float32]], limit: int = 300) -> None:
+        super().__init__(env)
+        if isinstance(limit, bool) or not isinstance(limit, int) or limit < 1:
+            raise ValueError(f"limit is {limit!r}, expected a whole number of at least 1")
+        base: gymnasium.Env[Any, Any] = env.unwrapped
+        if not isinstance(base, SemanticNavigationEnv) or (env.observation_space, env.action_space) != (
+            base.observation_space,
+            base.action_space,
+        ):
+            raise TypeError(f"the environment is {env}, expected a SemanticNavigationEnv with its own spaces")
+        self._env, self._limit = base, limit
+        self._n_slots = len(base.slot_ids)
+        self._declares = base.arrival == "declare"
+        self.action_space = spaces.Discrete(self._n_slots + self._declares)
+        n_rays, reach = base.sensors.n_lidar_rays, base.sensors.lidar_range
+        self._controller = LocalController(base.robot, n_rays, reach, Window(n_rays=n_rays))
+        self._arrived_after = max(1, round(ARRIVED_AFTER / base.robot.step))
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Observation, dict[str, Any]]:
+        """Begin an episode; `info` holds the action mask."""
+        self._observation, info = self.env.reset(seed=seed, options=options)
+        return self._observation, info | {"action_mask": self._mask()}
+
+    def step(self, action: np.int64) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
+        """Drive to the region in a slot until the drive is over."""
+        count = self._n_slots + self._declares
+        if not 0 <= int(action) < count:
+            raise ValueError(f"action is {action!r}, expected a number from 0 to {count - 1}")
+        if int(action) == self._n_slots:
+            return self._run(None, "declared")
+        if not self._observation["regions_mask"][int(action)]:
+            return self._run(None, "refused")
+        drive = RegionDrive(self._controller, self._observation, self._env.slot_ids, int(action), self._arrived_after)
+        return self._run(drive, "")
+
+    def _run(self, drive: RegionDrive | None, outcome: str) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
+        """Take steps until there is an outcome; without a drive, one step of standing still."""
+        total, steps, terms = 0.0, 0, Counter[str]()
+        while True:
+            speeds = np.zeros(2) if drive is None else drive.act(self._observation)
+            command = [*speeds, 1.0 if outcome == "declared" else -1.0] if self._declares else speeds
+            self._observation, reward, terminated, truncated, info = self.env.step(np.array(command, np.float32))
+            total, steps = total + float(reward), steps + 1
+            terms.update(info["reward_terms"])
+            if drive is not None:
+                outcome = drive.judge(self._observation, self._env.slot_ids)
+                if terminated or truncated:
+                    outcome = "ended"
+                elif not outcome and steps >= self._limit:
+                    outcome = "limit"
+            if outcome:
+                break
+        info |= {"reward_terms": dict(terms), "steps": steps, "outcome": outcome, "action_mask": self._mask()}
+        return self._observation, total, terminated, truncated, info
+
+    def _mask(self) -> NDArray[np.int8]:
+        """Return which actions can be chosen now: slots that hold a region, and declaring."""
+        return np.append(self._observation["regions_mask"], np.ones(int(self._declares), np.int8))

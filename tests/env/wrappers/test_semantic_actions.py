@@ -1,0 +1,112 @@
+import warnings
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.utils.env_checker import check_env
+
+from regionslam_env.env import SemanticNavigationEnv
+from regionslam_env.wrappers import DiscreteActions, SemanticActions, TextObservation
+from tests.floors import two_rooms
+
+pytestmark = pytest.mark.compiled
+START = {"goal": "kitchen", "start": (2.0, 2.0, np.pi / 2)}
+
+
+def make(**kwargs):
+    return SemanticNavigationEnv(world=two_rooms(), **kwargs)
+
+
+def begin(env, seed=1):
+    """Reset and wait until the map has a region; return the slots by name."""
+    _, info = env.reset(seed=seed, options=START)
+    while not info["action_mask"][: len(env.unwrapped.slot_ids)].any():
+        *_, info = env.step(0)
+    base = env.unwrapped
+    return {base.belief.map.name(int(base.slot_ids[s])): int(s) for s in np.flatnonzero(info["action_mask"][:32])}
+
+
+def test_one_action_drives_through_the_door_and_sums_the_rewards():
+    steps = []
+
+    class Watched(gymnasium.Wrapper):
+        def step(self, action):
+            steps.append(self.env.step(action))
+            return steps[-1]
+
+    env = SemanticActions(Watched(make()))
+    slots = begin(env)
+    assert {"office", "kitchen", "door"} <= set(slots)
+    steps.clear()
+    observation, reward, terminated, _, info = env.step(slots["kitchen"])
+    assert terminated and info["success"] and info["outcome"] == "ended"
+    assert info["steps"] == len(steps) > 20
+    assert reward == pytest.approx(sum(step[1] for step in steps))
+    assert sum(info["reward_terms"].values()) == pytest.approx(reward)
+    assert info["reward_terms"]["success"] == 10 and info["reward_terms"]["collision"] == 0
+    assert observation is steps[-1][0]
+
+
+def test_it_arrives_where_the_episode_goes_on():
+    env = SemanticActions(make(arrival="declare"))
+    slots = begin(env)
+    *_, info = env.step(slots["kitchen"])
+    assert info["outcome"] == "arrived" and env.unwrapped.true_pose[0] > 6
+    _, _, terminated, _, info = env.step(env.action_space.n - 1)
+    assert terminated and info["success"] and info["outcome"] == "declared" and info["steps"] == 1
+
+
+def test_the_mask_tells_what_is_mapped_and_an_empty_slot_is_refused():
+    env = SemanticActions(make())
+    observation, info = env.reset(seed=1, options=START)
+    assert (info["action_mask"] == observation["regions_mask"]).all() and not info["action_mask"].any()
+    pose = env.unwrapped.true_pose
+    observation, _, terminated, _, info = env.step(31)
+    assert not terminated and info["outcome"] == "refused" and info["steps"] == 1
+    assert env.unwrapped.true_pose == pytest.approx(pose)
+    assert (info["action_mask"] == observation["regions_mask"]).all() and info["action_mask"].dtype == np.int8
+    assert env.action_space.sample(info["action_mask"]) in env.action_space
+    declaring = SemanticActions(make(arrival="declare"))
+    assert declaring.reset(seed=1)[1]["action_mask"].tolist() == [0] * 32 + [1]
+
+
+def test_a_drive_ends_at_its_limit_and_with_the_episode():
+    env = SemanticActions(make(), limit=7)
+    *_, info = env.step(begin(env)["kitchen"])
+    assert info["outcome"] == "limit" and info["steps"] == 7
+    env = SemanticActions(make(max_steps=10))
+    _, _, terminated, truncated, info = env.step(begin(env)["kitchen"])
+    assert truncated and not terminated and info["outcome"] == "ended" and "spl" in info
+
+
+@pytest.mark.parametrize("action", [-1, 32])
+def test_a_number_beyond_the_slots_is_an_error(action):
+    env = SemanticActions(make())
+    env.reset(seed=0)
+    with pytest.raises(ValueError, match="expected a number from 0 to 31"):
+        env.step(action)
+
+
+def test_what_does_not_fit_is_refused():
+    with pytest.raises(TypeError, match="with its own spaces"):
+        SemanticActions(DiscreteActions(make()))
+    with pytest.raises(TypeError, match="expected a SemanticNavigationEnv"):
+        SemanticActions(gymnasium.make("CartPole-v1"))
+    with pytest.raises(ValueError, match="limit is 0"):
+        SemanticActions(make(), limit=0)
+
+
+def test_observations_of_another_form_go_around_it():
+    env = TextObservation(SemanticActions(make(arrival="declare")))
+    slot = begin(env)["kitchen"]
+    text, *_ = env.step(slot)
+    assert text in env.observation_space and "Place: I am" in text and "the kitchen" in text
+    assert f"[{slot}] kitchen: I am in it" in text
+
+
+def test_gymnasium_accepts_it():
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        warnings.filterwarnings("ignore", message=".*different from the unwrapped version.*")
+        warnings.filterwarnings("ignore", message=".*not having a spec.*")
+        check_env(SemanticActions(make()))
