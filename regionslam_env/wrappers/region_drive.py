@@ -9,16 +9,19 @@ from numpy.typing import NDArray
 
 from regionslam_env.control.controller import LocalController
 from regionslam_env.control.route import route
-from regionslam_env.observations import LinkColumn, Observation, RegionColumn, link_table, region_table
+from regionslam_env.observations import LinkColumn, LinkKind, Observation, RegionColumn, link_table, region_table
 
 PASSAGE = 2.0
-"""Regions on the way that are at most this long are driven through by their centres, m."""
+"""Regions on the way that are at most this long are driven through by their centres, m; others are left to sight."""
 
 NEAR = 0.3
 """A centre this near is reached, m."""
 
-BESIDE = 0.6
-"""What cannot be entered, like furniture, is reached at this distance from its edge, m."""
+BESIDE = 0.7
+"""A thing is reached at this distance from its edge, m."""
+
+STANDING_ROOM = 0.45
+"""Aim at this distance from a thing, m."""
 
 PATIENCE = 30
 """Steps in which at least `NEAR` must be driven."""
@@ -52,8 +55,8 @@ class RegionDrive:
         arrived_after: int,
     ) -> None:
         self.controller, self._arrived_after = controller, arrived_after
-        table = region_table(observation)
-        self._inwards = bool(table[slot, RegionColumn.CONTAINS_ME] > 0.5)
+        self._inwards = bool(region_table(observation)[slot, RegionColumn.CONTAINS_ME] > 0.5)
+        self._is_thing = not self._inwards and _is_thing(observation, slot)
         self._way = [int(slot_ids[s]) for s in _way(observation, slot)]
         self._points: dict[int, Floats] = {}
         self._locate(observation, slot_ids)
@@ -70,10 +73,10 @@ class RegionDrive:
         """Return the outcome after an action, by the observation that came of it: "arrived", "blocked" or ""."""
         row = self._locate(observation, slot_ids)
         there = bool(np.hypot(*_to_robot(observation["pose"], self._points[self._way[-1]])) < NEAR)
-        beside = row is not None and _distance(row) < BESIDE
+        beside = row is not None and float(np.hypot(*_nearest(row))) < BESIDE
         if row is not None and not self._inwards:
             there |= bool(row[RegionColumn.CONTAINS_ME] > 0.5)
-        there |= beside and self.controller.blocked
+        there |= beside and self._is_thing
         self._there = self._there + 1 if there else 0
         self._track = [*self._track[-PATIENCE:], observation["pose"][:2].astype(np.float64)]
         if self._there >= self._arrived_after:
@@ -89,9 +92,12 @@ class RegionDrive:
         for slot in np.flatnonzero(observation["regions_mask"]).tolist():
             region = int(slot_ids[slot])
             if region in self._way:
-                self._points[region] = _to_map(observation["pose"], table[slot])
+                centre = table[slot, [RegionColumn.X, RegionColumn.Y]].astype(np.float64)
+                self._points[region] = _to_map(observation["pose"], centre)
             if region == self._way[-1]:
                 last = table[slot]
+                if self._is_thing:
+                    self._points[region] = _to_map(observation["pose"], _in_front(last))
         return last
 
 
@@ -104,24 +110,43 @@ def _way(observation: Observation, slot: int) -> list[int]:
     links = links[links[:, LinkColumn.PROBABILITY] > 0.5][:, [LinkColumn.FIRST, LinkColumn.SECOND]].astype(np.int64)
     starts = np.flatnonzero(known & (table[:, RegionColumn.CONTAINS_ME] > 0.5)).tolist()
     if not starts:
-        starts = [min(np.flatnonzero(known).tolist(), key=lambda s: _distance(table[s]))]
+        starts = [min(np.flatnonzero(known).tolist(), key=lambda s: np.hypot(*_nearest(table[s])))]
     way = route(starts, slot, centres, [(int(a), int(b)) for a, b in links])
     size = table[:, [RegionColumn.W, RegionColumn.H]].max(axis=1)
     return [s for s in way[:-1] if size[s] <= PASSAGE] + [slot]
 
 
-def _distance(row: NDArray[Any]) -> float:
-    """Return the robot's distance from the main rectangle of a region's row, m; 0 inside."""
+def _is_thing(observation: Observation, slot: int) -> bool:
+    """Return whether a region is furniture, driven to and not into: inside another, or small and linked to nothing."""
+    links = link_table(observation)[observation["links_mask"] > 0]
+    links = links[links[:, LinkColumn.PROBABILITY] > 0.5]
+    contains = links[:, LinkColumn.KIND] == LinkKind.CONTAINMENT
+    if (links[contains, LinkColumn.SECOND] == slot).any():
+        return True
+    linked = bool((links[~contains][:, [LinkColumn.FIRST, LinkColumn.SECOND]] == slot).any())
+    size = region_table(observation)[slot, [RegionColumn.W, RegionColumn.H]]
+    return not linked and bool(size.max() <= PASSAGE)
+
+
+def _nearest(row: NDArray[Any]) -> Floats:
+    """Return the point of the main rectangle of a region's row that is the nearest to the robot, in its frame, m."""
     x, y, c, s, w, h = (float(v) for v in row[: RegionColumn.LEFT_W])
-    along, across = abs(c * x + s * y), abs(c * y - s * x)
-    return float(np.hypot(max(0.0, along - w / 2), max(0.0, across - h / 2)))
+    along, across = -(c * x + s * y), s * x - c * y
+    along, across = float(np.clip(along, -w / 2, w / 2)), float(np.clip(across, -h / 2, h / 2))
+    return np.array([x + c * along - s * across, y + s * along + c * across])
 
 
-def _to_map(pose: NDArray[np.float32], row: NDArray[np.float32]) -> Floats:
-    """Return the centre of a region's row in the map frame; the pose is x, y, cos, sin."""
+def _in_front(row: NDArray[Any]) -> Floats:
+    """Return the point before a thing, on the way from the robot to what is nearest of it, in the robot's frame, m."""
+    nearest = _nearest(row)
+    distance = float(np.hypot(*nearest))
+    return nearest * max(0.0, 1 - STANDING_ROOM / max(distance, 1e-6))
+
+
+def _to_map(pose: NDArray[np.float32], point: Floats) -> Floats:
+    """Return a point of the robot's frame in the map frame; the pose is x, y, cos, sin."""
     x, y, c, s = pose.astype(np.float64)
-    ahead, left = row[[RegionColumn.X, RegionColumn.Y]].astype(np.float64)
-    return np.array([x + c * ahead - s * left, y + s * ahead + c * left])
+    return np.array([x + c * point[0] - s * point[1], y + s * point[0] + c * point[1]])
 
 
 def _to_robot(pose: NDArray[np.float32], point: Floats) -> Floats:

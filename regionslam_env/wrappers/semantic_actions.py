@@ -20,7 +20,7 @@ ARRIVED_AFTER = 1.0
 """A drive ends when the robot has been in the region for this long, s."""
 
 
-class SemanticActions(gymnasium.Wrapper[Observation, np.int64, Observation, NDArray[np.float32]]):
+class SemanticActions(gymnasium.Wrapper[Observation, NDArray[np.float32], Observation, np.int64]):
     """Offers to drive to the region in a slot of the map; one step of it lasts until that drive is over.
 
     Action k drives to the region that holds slot k (row k of the observation's table) at that moment; the drive keeps
@@ -52,10 +52,8 @@ class SemanticActions(gymnasium.Wrapper[Observation, np.int64, Observation, NDAr
         if isinstance(limit, bool) or not isinstance(limit, int) or limit < 1:
             raise ValueError(f"limit is {limit!r}, expected a whole number of at least 1")
         base: gymnasium.Env[Any, Any] = env.unwrapped
-        if not isinstance(base, SemanticNavigationEnv) or (env.observation_space, env.action_space) != (
-            base.observation_space,
-            base.action_space,
-        ):
+        spaces_kept = (env.observation_space, env.action_space) == (base.observation_space, base.action_space)
+        if not isinstance(base, SemanticNavigationEnv) or not spaces_kept:
             raise TypeError(f"the environment is {env}, expected a SemanticNavigationEnv with its own spaces")
         self._env, self._limit = base, limit
         self._n_slots = len(base.slot_ids)

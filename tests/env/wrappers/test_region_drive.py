@@ -3,7 +3,7 @@ import pytest
 
 from regionslam_env.control.controller import LocalController
 from regionslam_env.control.window import Window
-from regionslam_env.wrappers.region_drive import PATIENCE, RegionDrive
+from regionslam_env.wrappers.region_drive import PATIENCE, STANDING_ROOM, RegionDrive
 from slam.motion import Odometry
 from tests.env.believed import Believed
 from tests.env.wrappers.still import TYPES, belief_of, observer
@@ -72,13 +72,24 @@ def test_standing_still_far_away_is_being_blocked(controller):
     assert outcomes == [""] * (PATIENCE - 1) + ["blocked"]
 
 
-def test_standing_still_beside_a_thing_is_having_arrived(controller):
-    def room(x):
-        built = Believed(TYPES, pose=(x, 0.0, 0.0))
-        return built.put(0, 10, "office", u=(-4.0, 4.0)).put(1, 11, "other", at=(2.0, 0.0), u=(-0.5, 0.5))
+def furnished(x, inside=True):
+    built = Believed(TYPES, pose=(x, 0.0, 0.0)).put(0, 10, "office", u=(-4.0, 4.0))
+    built.put(1, 11, "other", at=(2.0, 0.0), u=(-0.5, 0.5), b=(-1.2 if inside else -0.5,), t=(1.2 if inside else 0.5,))
+    return built.link(1, 0, kind=1) if inside else built
 
-    drive, _, made = begin(controller, room(0.0), 1)
-    beside = seen(room(1.05), made)
+
+@pytest.mark.parametrize("inside", [True, False])
+def test_a_thing_is_driven_to_and_not_into(controller, inside):
+    drive, observation, made = begin(controller, furnished(0.0, inside), 1)
+    drive.act(observation)
+    assert controller.path[-1] == pytest.approx([1.5 - STANDING_ROOM, 0.0], abs=0.06)
+    beside = seen(furnished(1.0, inside), made)
+    assert [drive.judge(beside, made.slot_ids) for _ in range(3)] == ["", "", "arrived"]
+
+
+def test_standing_still_beside_a_region_that_cannot_be_entered_is_having_arrived(controller):
+    drive, _, made = begin(controller, suite(at=(-1.0, 0.0)), 1)
+    beside = seen(suite(at=(1.6, 0.0)), made)
     assert [drive.judge(beside, made.slot_ids) for _ in range(PATIENCE + 1)][-1] == "arrived"
 
 
