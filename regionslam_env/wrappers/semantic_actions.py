@@ -20,7 +20,7 @@ ARRIVED_AFTER = 1.0
 """A drive ends when the robot has been in the region for this long, s."""
 
 
-class SemanticActions(gymnasium.Wrapper[Observation, NDArray[np.float32], Observation, np.int64]):
+class SemanticActions(gymnasium.Wrapper[Observation, Any, Observation, Any]):
     """Offers to drive to the region in a slot of the map; one step of it lasts until that drive is over.
 
     Action k drives to the region that holds slot k (row k of the observation's table) at that moment; the drive keeps
