@@ -127,7 +127,7 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     | max_regions | 32 | rows for regions in an observation |
     | semantic_types | `SEMANTIC_TYPES` | types an observation tells apart; all others count as "other" |
     | reveal_truth | False | puts the true pose and distance into `info["truth"]` |
-    | render_mode | None | "rgb_array" or "ansi"; with `gymnasium.make` also "human", a window |
+    | render_mode | None | "rgb_array" or "ansi" (the belief as text); with `gymnasium.make` also "human", a window |
 
     With the kind of world "office", "apartment", "school", "hospital" or "campus", every reset draws a new one, whose
     number is in `info["world_seed"]`; `reset(options={"world_seed": 3})` enters a certain one of the split.
@@ -302,11 +302,11 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         return self._observer.observe(self._localizer.belief, odometry, self.ranges, elapsed, done)
 
     def render(self) -> Any:
-        """Return the picture of this moment, (H, W, 3) uint8, or the robot's own words, by `render_mode`."""
+        """Return the picture of this moment, (H, W, 3) uint8, or the belief in words and signs, by `render_mode`."""
         if self.render_mode is None or not hasattr(self, "mission"):
             return None
         if self.render_mode == "ansi":
-            return f"{self.mission_text}: {self.belief.map.describe(self.belief.pose_mean)}"
+            return self._write()
         return self._draw()
 
     def close(self) -> None:
@@ -386,6 +386,15 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             self.simulation.path_length,
             figures,
         )
+
+    def _write(self) -> str:
+        """Return the robot's own words about its place, and the believed map in characters."""
+        from regionslam_env.rendering.shapes import shapes_of_map
+        from regionslam_env.rendering.text_picture import text_picture
+
+        belief = self.belief
+        words = f"{self.mission_text}: {belief.map.describe(belief.pose_mean)}"
+        return f"{words}\n{text_picture(shapes_of_map(belief.map), belief.pose_mean, self.mission.goal)}"
 
     def _draw(self) -> NDArray[np.uint8]:
         """Draw truth and belief; what draws is imported here, so that nothing else needs it."""

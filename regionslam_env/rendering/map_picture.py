@@ -12,7 +12,7 @@ from regionslam_env.rendering.layers import draw_ellipse, draw_links, draw_path,
 from regionslam_env.rendering.legend import SIGNS, NamedSign, draw_legend, legend_height
 from regionslam_env.rendering.palette import BELIEF, FAINT, FLOOR, INK, MUTED, PAPER, UNSEEN, font
 from regionslam_env.rendering.panel import Panel, Viewport
-from regionslam_env.rendering.shapes import Shape, shapes_of_world
+from regionslam_env.rendering.shapes import Shape, main_direction, shapes_of_world
 from regionslam_env.worlds.world import World
 from slam.rows import Floats
 
@@ -47,7 +47,7 @@ def draw_map(
     if len(np.asarray(path)):
         points.append(np.asarray(path, dtype=np.float64)[:, :2])
     frame, (x0, y0, x1, y1) = _upright(
-        np.concatenate(points) if points else np.array([[-5.0, -3.0], [5.0, 3.0]]), _main_direction(shapes)
+        np.concatenate(points) if points else np.array([[-5.0, -3.0], [5.0, 3.0]]), main_direction(shapes)
     )
     panel = Panel((inner, _height(inner, x1 - x0, y1 - y0)), UNSEEN)
     view = Viewport.fit((x0, y0, x1, y1), panel.size, 20).seen_from(frame)
@@ -114,9 +114,3 @@ def _upright(points: Floats, direction: float) -> tuple[Floats, tuple[float, flo
         if x1 - x0 >= y1 - y0:
             break
     return frame, (float(x0), float(y0), float(x1), float(y1))
-
-
-def _main_direction(shapes: Sequence[Shape]) -> float:
-    """Return the direction of most walls in (−π/4, π/4], weighted by length: the mean over four-fold symmetry, rad."""
-    total = sum(np.exp(4j * s.row.phi) * np.sqrt(s.row.area) for s in shapes)
-    return float(np.angle(total) / 4) if shapes else 0.0

@@ -115,5 +115,10 @@ def shapes_of_map(regions: Iterable[RegionFeature]) -> list[Shape]:
     return shapes
 
 
+def main_direction(shapes: Iterable[Shape]) -> float:
+    """Return the direction of most walls in (−π/4, π/4], weighted by length: the mean over four-fold symmetry, rad."""
+    return float(np.angle(sum((np.exp(4j * s.row.phi) * np.sqrt(s.row.area) for s in shapes), 0j)) / 4)
+
+
 def _sigmoid(log_odds: float) -> float:
     return float(1 / (1 + np.exp(-log_odds)))

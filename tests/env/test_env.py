@@ -371,7 +371,9 @@ def test_a_picture_and_words():
     env = make(render_mode="ansi")
     env.reset(seed=0)
     rollout(env, 10)
-    assert env.render().startswith(f"go to the {env.goal}: ")
+    words, *picture = env.render().split("\n")
+    assert words.startswith(f"go to the {env.goal}: ")
+    assert len(picture) > 2 and any("+" in line for line in picture) and "door" in picture[-1]
 
 
 @compiled_only
