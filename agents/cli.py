@@ -143,6 +143,37 @@ def train(
     return DONE
 
 
+@app.command()
+def play(
+    env: EnvId = "RegionSLAM/GoTo-v0",
+    world: WorldName = "institute",
+    goal: Annotated[str | None, typer.Option(help="Semantic type to go to; by default one drawn per episode.")] = None,
+    seed: Annotated[int | None, typer.Option(min=0, help="Play one certain episode, again and again.")] = None,
+    json: Json = False,
+) -> int:
+    """Drive by keyboard in a window (extra `render`)."""
+    import gymnasium
+
+    from agents.evaluate import check_environment
+    from agents.play import HELP
+    from agents.play import play as drive
+
+    say = console()
+    environment = gymnasium.make(check_environment(env), world=world, render_mode="rgb_array", **given(goal=goal))
+    say.print(HELP)
+    finished: list[dict[str, Any]] = []
+
+    def tell(info: dict[str, Any]) -> None:
+        finished.append({"success": info["success"], "spl": info["spl"]})
+        say.print(f"{'Done' if info['success'] else 'Failed'}: SPL {info['spl'] or 0:.2f}.")
+
+    drive(environment, seed, tell)
+    environment.close()
+    if json:
+        print_json({"env": env, "world": world, "episodes": finished})
+    return DONE
+
+
 class _Teller:
     """Shows the progress of a mission on standard error and the robot's words on standard output."""
 
