@@ -8,6 +8,7 @@ from typing import Any
 import gymnasium
 import numpy as np
 from gymnasium import spaces
+from gymnasium.error import ResetNeeded
 from numpy.typing import NDArray
 
 from regionslam_env.control.controller import LocalController
@@ -71,7 +72,17 @@ class SemanticActions(gymnasium.Wrapper[Observation, Any, Observation, Any]):
         return self._observation, info | {"action_mask": self._mask()}
 
     def step(self, action: np.int64) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
-        """Drive to the region in a slot until the drive is over."""
+        """Drive to the region in a slot until the drive is over.
+
+        Raises
+        ------
+        ValueError
+            For a number beyond the slots.
+        ResetNeeded
+            Before the first reset and after the end of an episode.
+        """
+        if not hasattr(self, "_observation"):
+            raise ResetNeeded("there is no running episode: call env.reset() first")
         count = self._n_slots + self._declares
         if not 0 <= int(action) < count:
             raise ValueError(f"action is {action!r}, expected a number from 0 to {count - 1}")

@@ -3,6 +3,7 @@ import warnings
 import gymnasium
 import numpy as np
 import pytest
+from gymnasium.error import ResetNeeded
 from gymnasium.utils.env_checker import check_env
 
 from regionslam_env.env import SemanticNavigationEnv
@@ -85,6 +86,26 @@ def test_a_number_beyond_the_slots_is_an_error(action):
     env.reset(seed=0)
     with pytest.raises(ValueError, match="expected a number from 0 to 31"):
         env.step(action)
+
+
+def test_without_a_running_episode_it_asks_for_a_reset():
+    env = SemanticActions(make(arrival="declare"))
+    with pytest.raises(ResetNeeded):
+        env.step(0)
+    begin(env)
+    env.step(32)
+    with pytest.raises(ResetNeeded):
+        env.step(32)
+
+
+def test_the_same_choices_give_the_same_episode():
+    def episode():
+        env = SemanticActions(make(arrival="declare"))
+        slots = begin(env, seed=4)
+        return [env.step(slots[name]) for name in ("door", "kitchen", "office")]
+
+    for (a, r, *_, info), (b, s, *_, other) in zip(episode(), episode(), strict=True):
+        assert all((a[key] == b[key]).all() for key in a) and r == s and info["steps"] == other["steps"]
 
 
 def test_what_does_not_fit_is_refused():
