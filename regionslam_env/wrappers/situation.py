@@ -97,8 +97,8 @@ class Situation:
         at = math.hypot(centre[0] - x, centre[1] - y)
         parts = [f"I am in it ({100 * inside:.0f} %)" if inside > 0.5 else f"{distance:.1f} m away"]
         parts.append(f"centre {at:.1f} m, {bearing(math.atan2(centre[1] - y, centre[0] - x) - heading)}")
-        w, h = float(row[RegionColumn.W]), float(row[RegionColumn.H])
-        parts.append(f"{w:.1f} x {h:.1f} m")
+        length, width = region.row.u[-1] - region.row.u[0], region.row.t.max() - region.row.b.min()
+        parts.append(f"{length:.1f} x {width:.1f} m")
         parts.append("been there" if row[RegionColumn.VISITED] > 0.5 else "not been there")
         for doubt, column in (("exists", RegionColumn.EXISTENCE), ("of this type", RegionColumn.TYPE_P)):
             if row[column] < 0.95:

@@ -46,6 +46,11 @@ def test_regions_come_with_slots_bearings_and_links_the_goal_first():
     assert "been there" in door and "leads to [0] office (90 %), leads to [1] kitchen (80 %)" in door
 
 
+def test_a_size_is_that_of_all_rectangles():
+    built = Believed(TYPES).put(0, 10, "hallway", u=(-1.0, 2.0, 9.0), b=(-1.0, -1.0), t=(1.0, 4.0))
+    assert "10.0 x 5.0 m" in lines(built)[-1]
+
+
 def test_a_containment_is_told_from_both_sides():
     built = Believed(TYPES).put(0, 10, "office").put(1, 11, "other", u=(-0.2, 0.2)).link(1, 0, kind=1)
     told = " ".join(lines(built))
