@@ -9,6 +9,8 @@ ENTRY_POINT = "regionslam_env.env:SemanticNavigationEnv"
 ENVIRONMENTS: dict[str, dict[str, Any]] = {
     "RegionSLAM/GoTo-v0": {"arrival": "stay"},
     "RegionSLAM/GoTo-Declare-v0": {"arrival": "declare"},
+    "RegionSLAM/GoTo-Oracle-v0": {"arrival": "stay", "localization": "oracle"},
+    "RegionSLAM/GoTo-Odometry-v0": {"arrival": "stay", "localization": "odometry"},
 }
 """Keyword arguments that set each id apart; the rest of them can be given to `gymnasium.make`."""
 

@@ -93,6 +93,17 @@ def test_the_spec_is_plain_data(env_id, floor):
     assert gymnasium.envs.registration.EnvSpec.from_json(spec.to_json()).kwargs == spec.kwargs
 
 
+@pytest.mark.parametrize("env_id", IDS)
+def test_an_id_is_what_its_entry_says_and_comes_back_from_json_as_it_was(env_id, floor):
+    env = gymnasium.make(env_id, world=floor, max_steps=50)
+    copy = gymnasium.make(gymnasium.envs.registration.EnvSpec.from_json(env.spec.to_json()))
+    assert all(getattr(env.unwrapped, name) == value for name, value in ENVIRONMENTS[env_id].items())
+    assert equal(env.reset(seed=3), copy.reset(seed=3))
+    assert equal(rollout(env, 20), rollout(copy, 20))
+    other = pickle.loads(pickle.dumps(env.unwrapped))
+    assert equal(rollout(env, 20, 1), rollout(other, 20, 1))
+
+
 @pytest.mark.parametrize("localization", ["slam", "oracle", "odometry"])
 def test_same_seed_and_actions_give_identical_everything(localization):
     env, other = make(localization=localization), make(localization=localization)
@@ -203,10 +214,16 @@ def test_truth_is_hidden_unless_it_is_asked_for(env):
     assert "truth" in revealing.reset(seed=0)[1] and "truth" in revealing.step(np.zeros(2))[4]
 
 
-def test_the_reward_is_the_sum_of_its_terms(env):
+@pytest.mark.parametrize("env_id", IDS)
+def test_the_reward_is_the_sum_of_its_terms(env_id, floor):
+    env = gymnasium.make(env_id, world=floor).unwrapped
     env.reset(seed=2)
-    for _, reward, *_, info in rollout(env, 20):
-        assert reward == sum(info["reward_terms"].values())
+    results = rollout(env, 20)
+    for _, reward, *_, info in results:
+        terms = info["reward_terms"]
+        assert type(reward) is float and reward == sum(terms.values()) and any(terms.values())
+        assert all(type(term) is float and hasattr(env.reward, name) for name, term in terms.items())
+    assert all(a[4]["reward_terms"] is not b[4]["reward_terms"] for a, b in pairwise(results))
 
 
 def test_metrics_come_with_the_last_info_only():
