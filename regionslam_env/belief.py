@@ -7,6 +7,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from regionslam_env.errors import ConfigError
 from slam.belief import Belief
 from slam.config import SlamConfig
 from slam.extent import contains
@@ -47,6 +48,24 @@ class Localizer:
         self._filter = RegionSLAM(self._config, rng)
         self._reckoning = ParticleSet.at(np.zeros(3), 1).particles
         self.belief = self._filter.belief
+
+    def carry(self) -> None:
+        """Keep the map, but take the pose as unknown: the robot has been put elsewhere.
+
+        The oracle learns its pose with the next step.
+
+        Raises
+        ------
+        ConfigError
+            With dead reckoning, which would never learn where it is.
+        """
+        if self.localization == "odometry":
+            raise ConfigError(
+                "start is given with keep_map and localization='odometry', expected none: "
+                "dead reckoning cannot find a robot that was carried"
+            )
+        if self.localization == "slam":
+            self._filter.relocalise()
 
     def step(self, odometry: Odometry, scan: Scan, true_pose: Floats) -> Belief:
         """Take in what was measured and return the belief.

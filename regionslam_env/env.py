@@ -14,9 +14,10 @@ from gymnasium.error import ResetNeeded
 from numpy.typing import ArrayLike, NDArray
 
 from regionslam_env.actions import ARRIVALS, Arrival, action_space, read_action
-from regionslam_env.arguments import one_of, read_options, robot_config, whole_number
+from regionslam_env.arguments import ResetOptions, one_of, read_options, robot_config, whole_number
 from regionslam_env.belief import LOCALIZATIONS, Localization, Localizer, probability_in_type
 from regionslam_env.config import SEMANTIC_TYPES, NoiseConfig, RobotConfig, SensorConfig, from_dict, noise_set
+from regionslam_env.errors import ConfigError
 from regionslam_env.missions.mission import GoTo
 from regionslam_env.observations import Observation, Observer, observed_types
 from regionslam_env.sensors.lidar import Lidar
@@ -96,6 +97,10 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     At rest, anywhere with a free way of at least `start_distance` to the nearest goal region, in any direction. The
     goal is a drawn type of room, unless it is given. `reset(options={"goal": "kitchen", "start": (x, y, theta)})` sets
     either for one episode (world frame, m and rad).
+
+    `reset(options={"keep_map": True})` goes on with the map of the episode before, in the same world: map frame, map
+    and rows stay, and so does the robot, unless a `start` is given. Then it has been carried, and the filter has to
+    find it again on its map; the oracle is told, and dead reckoning refuses.
 
     ## Episode End
 
@@ -209,26 +214,27 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             Of every random number to come; the same one gives the same episodes.
         options
             ``goal``: semantic type to go to; ``start``: true pose (x, y, theta) in the world frame, m and rad;
-            ``world_seed``: number of the world to enter, for an environment with a kind of worlds.
+            ``world_seed``: number of the world to enter, for an environment with a kind of worlds; ``keep_map``:
+            whether the filter keeps its map, and the robot stays where it is unless ``start`` is given.
 
         Raises
         ------
         ConfigError
-            For an unknown option or goal, a start that is not free, or a goal that cannot be reached from it.
+            For an unknown option or goal, a start that is not free, a goal that cannot be reached from it, or a map
+            that cannot be kept. No episode runs then.
         """
         super().reset(seed=seed)
-        goal, start, number = read_options(options)
+        chosen, self._running = read_options(options), False
         mission_rng, odometry_rng, lidar_rng, region_rng, filter_rng, world_rng = self._generators()
-        self.mission, number = self._missions.draw(mission_rng, world_rng, goal, start, number)
-        if self._missions.task is not self.task:
-            self._enter(self._missions.task)
+        if chosen.keep_map:
+            number = self._go_on(mission_rng, chosen)
+        else:
+            number = self._begin(mission_rng, world_rng, filter_rng, chosen)
         self.simulation.reset(*self.mission.start)
         self._odometry_sensor.reset(odometry_rng)
         self._lidar.reset(lidar_rng)
-        self._region_sensor.reset(region_rng)
-        self._localizer.reset(filter_rng)
-        self._observer.reset(self.mission.goal)
-        self._episode = Episode(self.mission)
+        self._region_sensor.reset(region_rng, keep_sightings=chosen.keep_map)
+        self._episode = Episode(self.mission, self._origin)
         self._running = True
         self._true_path: list[Floats] = []
         self._path: list[Floats] = []
@@ -242,6 +248,35 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         if self.reveal_truth:
             info["truth"] = self._truth()
         return observation, info
+
+    def _begin(
+        self,
+        mission_rng: np.random.Generator,
+        world_rng: np.random.Generator,
+        filter_rng: np.random.Generator,
+        chosen: ResetOptions,
+    ) -> int | None:
+        """Draw world and mission and forget every map; return the number of the world, if it has one."""
+        self.mission, number = self._missions.draw(mission_rng, world_rng, chosen.goal, chosen.start, chosen.world_seed)
+        if self._missions.task is not self.task:
+            self._enter(self._missions.task)
+        self._origin = self.mission.start
+        self._localizer.reset(filter_rng)
+        self._observer.reset(self.mission.goal)
+        return number
+
+    def _go_on(self, mission_rng: np.random.Generator, chosen: ResetOptions) -> int | None:
+        """Draw a mission in the same world and keep the map; return the number of the world, if it has one."""
+        if not hasattr(self, "mission"):
+            raise ConfigError("keep_map is True, expected False in the first reset: there is no map yet")
+        mission, number = self._missions.stay(
+            mission_rng, self.true_pose.tolist(), chosen.goal, chosen.start, chosen.world_seed
+        )
+        if chosen.start is not None:
+            self._localizer.carry()
+        self.mission = mission
+        self._observer.aim(self.mission.goal)
+        return number
 
     def _enter(self, task: GoToTask) -> None:
         """Put robot and sensors into a task's world."""
@@ -369,7 +404,7 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             self.world.regions,
             [(link.source, link.target) for link in self.world.links],
             {self.world.regions[i].id for i in np.flatnonzero(seen)},
-            self.mission.start,
+            self._origin,
         )
         figures = {name: getattr(quality, name.removeprefix("region_")) for name in MAP_METRICS}
         return self._episode.metrics(
@@ -389,7 +424,7 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         if self._renderer is None:
             self._renderer = Renderer(
                 self.world,
-                self.mission.start,
+                self._origin,
                 self.mission.goal,
                 robot_radius=self.robot.radius,
                 lidar_range=self.sensors.lidar_range,

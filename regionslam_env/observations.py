@@ -166,9 +166,13 @@ class Observer:
         self._type_columns = np.zeros(0, np.int64)
         self._goal = 0
 
+    def aim(self, goal: str) -> None:
+        """Set the goal type, and leave every region in its slot."""
+        self._goal = self.types.index(goal)
+
     def reset(self, goal: str) -> None:
         """Begin an episode with this goal type, with every slot free."""
-        self._goal = self.types.index(goal)
+        self.aim(goal)
         self._ids[:] = -1
         self._places[:] = -1
         self._type_columns = np.zeros(0, np.int64)

@@ -45,6 +45,7 @@ class MissionSource:
     ) -> None:
         self._worlds, self._task_in, self._goal, self._types = worlds, task_in, goal, tuple(types)
         self.task = task_in(worlds.world(0))
+        self._number: int | None = None
         if goal is not None:
             self._check(goal)
 
@@ -81,6 +82,28 @@ class MissionSource:
                 last = error
         raise ConfigError(f"none of {WORLD_TRIES} worlds of kind {self._worlds.kind!r} will do; the last one: {last}")
 
+    def stay(
+        self,
+        rng: np.random.Generator,
+        pose: Sequence[float],
+        goal: str | None = None,
+        start: Sequence[float] | None = None,
+        number: int | None = None,
+    ) -> tuple[GoToMission, int | None]:
+        """Draw another mission in the world of the last one; without a start, the robot stays at its pose there.
+
+        Raises
+        ------
+        ConfigError
+            As in `draw`, and for the number of another world.
+        """
+        if number != self._number and number is not None:
+            here = self._number if self._number is not None else repr(self.task.world.name)
+            raise ConfigError(f"world_seed is {number!r}, expected that of the map to keep: {here}")
+        goal = self._goal if goal is None else goal
+        standing = start is None
+        return self.task.draw(rng, goal, pose if standing else start, standing=standing), self._number
+
     def _enter(
         self, number: int, rng: np.random.Generator, goal: str | None, start: Sequence[float] | None
     ) -> tuple[GoToMission, int]:
@@ -90,7 +113,7 @@ class MissionSource:
             raise ConfigError(f"world {world.name!r}: {unknown('goal', goal, set(world.types) & set(self._types))}")
         task = self.task if world is self.task.world else self._task_in(world)
         mission = task.draw(rng, goal, start)
-        self.task = task
+        self.task, self._number = task, number
         return mission, number
 
     def _check(self, goal: str) -> None:

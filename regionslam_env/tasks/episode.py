@@ -19,7 +19,9 @@ class Episode:
     Parameters
     ----------
     mission
-        Its start pose is the origin of the map frame.
+        What is to be done.
+    origin
+        Pose (x, y, theta) of the map frame in the world frame, m and rad: where the map was begun.
 
     Attributes
     ----------
@@ -27,14 +29,14 @@ class Episode:
         Steps so far.
     """
 
-    def __init__(self, mission: GoToMission) -> None:
+    def __init__(self, mission: GoToMission, origin: tuple[float, float, float]) -> None:
         self.mission = mission
         self.steps = 0
         self._pose_errors = PoseErrors()
         self._odometry_path = 0.0
         self._collisions = 0
         self._collided = False
-        x, y, theta = mission.start
+        x, y, theta = origin
         self._frame = (x, y, theta, math.cos(theta), math.sin(theta))
 
     def in_map(self, pose: Floats) -> Floats:

@@ -22,6 +22,9 @@ MIN_START_DISTANCE = 2.0
 STAY_SECONDS = 1.0
 """How long the robot's centre has to be inside a goal region where arrival is not declared, s."""
 
+CONTACT = 0.03
+"""How far a touching robot is moved to measure its distance, m; contacts overlap by less than half of that."""
+
 _NO_GOALS = frozenset({"door", "other"})  # passages and places without a name are drawn for nobody
 
 
@@ -113,8 +116,12 @@ class GoToTask:
         rng: np.random.Generator,
         goal: str | None = None,
         start: Sequence[float] | None = None,
+        standing: bool = False,
     ) -> GoToMission:
         """Draw what is not given and begin the episode.
+
+        A robot that is `standing` at the start may touch something, and a goal that is drawn for it is at least
+        `start_distance` away, if there is one.
 
         Raises
         ------
@@ -124,9 +131,9 @@ class GoToTask:
         goal = self.goal if goal is None else goal
         if goal is not None:
             self._check_goal(goal)
-            mission = self._mission(rng, goal, start)
+            mission = self._mission(rng, goal, start, standing)
         else:
-            mission = self._any_mission(rng, start)
+            mission = self._any_mission(rng, start, standing)
         roots = self._field_of(mission.goal).roots
         self._roots = (tuple(roots.grid), *roots[1:])
         self._remaining = mission.shortest
@@ -158,17 +165,25 @@ class GoToTask:
     def _field_of(self, goal: str) -> Field:
         return self.geodesic.field(i for i, region in enumerate(self.world.regions) if region.type == goal)
 
-    def _any_mission(self, rng: np.random.Generator, start: Sequence[float] | None) -> GoToMission:
+    def _any_mission(self, rng: np.random.Generator, start: Sequence[float] | None, standing: bool) -> GoToMission:
         """Draw a goal among those that can be reached from somewhere far enough."""
-        reasons = []
+        reasons, near = [], []
         for k in rng.permutation(len(self.goals)):
             try:
-                return self._mission(rng, self.goals[k], start)
+                mission = self._mission(rng, self.goals[k], start, standing)
             except ConfigError as error:
                 reasons.append(str(error))
+                continue
+            if not standing or mission.shortest >= self.start_distance:
+                return mission
+            near.append(mission)
+        if near:
+            return max(near, key=lambda mission: mission.shortest)
         raise ConfigError(reasons[0] if reasons else f"world {self.world.name!r} has no region that can be a goal")
 
-    def _mission(self, rng: np.random.Generator, goal: str, start: Sequence[float] | None) -> GoToMission:
+    def _mission(
+        self, rng: np.random.Generator, goal: str, start: Sequence[float] | None, standing: bool
+    ) -> GoToMission:
         field = self._field_of(goal)
         if start is None:
             try:
@@ -177,8 +192,8 @@ class GoToTask:
                 raise ConfigError(self._no_start(goal, field)) from error
             theta = float(rng.uniform(-math.pi, math.pi))
         else:
-            x, y, theta = self._checked(start)
-        shortest = field.at(x, y)
+            x, y, theta = self._checked(start, standing)
+        shortest = _from_contact(field, x, y) if standing else field.at(x, y)
         if not math.isfinite(shortest):
             raise ConfigError(f"world {self.world.name!r}: no way from ({x:.2f}, {y:.2f}) to any {goal!r}")
         return GoToMission(goal, (x, y, theta), shortest)
@@ -193,17 +208,25 @@ class GoToTask:
             f"the farthest is {reach.max():.1f} m away"
         )
 
-    def _checked(self, start: Sequence[float]) -> tuple[float, float, float]:
+    def _checked(self, start: Sequence[float], standing: bool) -> tuple[float, float, float]:
         values = np.asarray(start, dtype=np.float64).tolist()
         if not isinstance(values, list) or len(values) != 3 or not all(map(math.isfinite, values)):
             raise ConfigError(f"start is {start!r}, expected a pose (x, y, theta) in m, m, rad")
         x, y, theta = values
-        if not self.geodesic.free(x, y):
+        if not standing and not self.geodesic.free(x, y):
             radius = self.geodesic.radius
             raise ConfigError(
                 f"world {self.world.name!r}: start ({x:g}, {y:g}) is not free for a robot of {radius:g} m radius"
             )
         return x, y, theta
+
+
+def _from_contact(field: Field, x: float, y: float) -> float:
+    """Return the distance from where a robot stands, m: from beside it where it is squeezed against something."""
+    turns = np.linspace(0, 2 * math.pi, 8, endpoint=False)
+    beside = ((x + CONTACT * math.cos(turn), y + CONTACT * math.sin(turn)) for turn in turns)
+    here = field.at(x, y)
+    return here if math.isfinite(here) else min(field.at(*point) for point in beside)
 
 
 @njit
