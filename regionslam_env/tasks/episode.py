@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from regionslam_env.tasks.metrics import EpisodeFacts, Floats, PoseErrors, episode_metrics
-from regionslam_env.tasks.task import GoToMission
+from regionslam_env.tasks.task import DrawnMission
 from slam.motion import Odometry
 
 
@@ -29,7 +29,7 @@ class Episode:
         Steps so far.
     """
 
-    def __init__(self, mission: GoToMission, origin: tuple[float, float, float]) -> None:
+    def __init__(self, mission: DrawnMission, origin: tuple[float, float, float]) -> None:
         self.mission = mission
         self.steps = 0
         self._pose_errors = PoseErrors()
@@ -59,8 +59,8 @@ class Episode:
         self,
         success: bool,
         declared: bool | None,
-        believed: float,
-        remaining: float,
+        believed: float | None,
+        remaining: float | None,
         path_length: float,
         map_quality: Mapping[str, float | None],
     ) -> dict[str, Any]:
