@@ -34,7 +34,7 @@ WAY_POINT = 2.0
 
 
 class ScriptedAgent:
-    """Goes to a region of the wanted type; where none is wanted, it explores until nothing is left to be seen.
+    """Goes to a region of the wanted type; where none is wanted, it explores until no way leads to unknown rooms.
 
     Parameters
     ----------
@@ -141,7 +141,7 @@ class ScriptedAgent:
         if target is not None and (current is None or np.hypot(*(target.point - current.point)) > 0.5):
             self._progress.restart()
         self.target = target
-        self._seen_all = target is None and view.goal is None
+        self._seen_all = view.goal is None and not self.planner.leads_on
         self.route = np.zeros((0, 2))
         self._due = self._time + (10 if target is not None and target.kind == "goal" else 20)
         if target is not None:

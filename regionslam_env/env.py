@@ -91,14 +91,14 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     | collision | -0.05 | every step that something holds the robot back |
     | false_arrival | -10 | arrival declared outside of the goal |
 
-    With `task="explore"`, for which the believed map is compared with the truth once a second:
+    With `task="explore"`, for which the believed map is compared with the truth every two seconds:
 
     | Term | Weight | When |
     | --- | --- | --- |
     | recall | 20 for all | the map gains regions that can be entered; what it loses costs as much |
     | edges | 10 for all | it closes their edges |
     | success | 10 | mission done |
-    | time | -0.01 | every step |
+    | time | -0.002 | every step |
     | collision | -0.05 | every step that something holds the robot back |
     | false_arrival | -10 | end declared before enough is mapped |
 

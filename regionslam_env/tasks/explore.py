@@ -15,11 +15,14 @@ from regionslam_env.worlds.geodesic import Geodesic
 from regionslam_env.worlds.reachability import largest_part
 from regionslam_env.worlds.world import World
 from slam.belief import Belief
-from slam.evaluation.map_quality import map_quality
+from slam.evaluation.matching import match_pairs, moved, overlapping_pairs
 from slam.region import EdgeState
 
-ASSESSED_EVERY = 1.0
+ASSESSED_EVERY = 2.0
 """How often the map is compared with the truth, s: what it has gained is paid then."""
+
+OVERLAP, TOLERANCE = 0.5, 1.0
+"""When a mapped region stands for a true one, m: as in `slam.evaluation.map_quality`."""
 
 
 class ExploreTask(Task):
@@ -114,9 +117,13 @@ def shares(belief: Belief, origin: Pose, world: World, wanted: frozenset[str]) -
     wanted
         Ids of its regions, at least one.
     """
-    mapped = belief.map.regions
+    rooms = [region for region in world.regions if region.parent is None]
+    furniture = set(world.types) - {region.type for region in rooms}  # inside of rooms, which it could be taken for
+    mapped = [feature for feature in belief.map.regions if feature.type not in furniture]
     features = {feature.id: feature for feature in mapped}
-    matches = map_quality(mapped, world.regions, pose=origin).matches
+    rows = [moved(feature.row, origin) for feature in mapped]
+    pairs = overlapping_pairs(mapped, rows, rooms, OVERLAP, TOLERANCE)
+    matches = match_pairs(pairs, mapped, rows, rooms, OVERLAP)
     found = [features[match.mapped] for match in matches if match.true in wanted]
     closed = 0.0
     for feature in found:

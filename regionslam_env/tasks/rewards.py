@@ -61,7 +61,7 @@ class ExploreRewardConfig:
     recall: float = 20.0
     edges: float = 10.0
     success: float = 10.0
-    time: float = -0.01
+    time: float = -0.002
     collision: float = -0.05
     false_arrival: float = -10.0
 

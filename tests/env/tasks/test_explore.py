@@ -70,10 +70,10 @@ def test_shares_are_of_the_whole_floor():
 def test_what_the_map_gains_is_paid_once_and_losing_it_costs_as_much():
     task = begun()
     assert task.verdict(moment(NOTHING)).terms["recall"] == 0
-    verdicts = [task.verdict(moment(ONE)) for _ in range(20)]
+    verdicts = [task.verdict(moment(ONE)) for _ in range(30)]
     assert sum(v.terms["recall"] for v in verdicts) == pytest.approx(20 / 3)
     assert sum(v.terms["edges"] for v in verdicts) == pytest.approx(10 / 3)
-    lost = [task.verdict(moment(NOTHING)) for _ in range(10)]
+    lost = [task.verdict(moment(NOTHING)) for _ in range(20)]
     assert sum(v.terms["recall"] for v in lost) == pytest.approx(-20 / 3)
     assert not any(v.over for v in (*verdicts, *lost))
 
@@ -103,7 +103,7 @@ def test_a_declaration_is_judged_on_the_map_of_its_own_step(belief, right):
 
 def test_enough_without_a_declaration_goes_on():
     task = begun(declares=True)
-    assert not any(task.verdict(moment(ALL)).over for _ in range(12))
+    assert not any(task.verdict(moment(ALL)).over for _ in range(22))
 
 
 def test_the_figures_are_those_of_the_last_step():
