@@ -7,7 +7,6 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from regionslam_env.errors import ConfigError
 from slam.belief import Belief
 from slam.config import SlamConfig
 from slam.extent import contains
@@ -52,18 +51,8 @@ class Localizer:
     def carry(self) -> None:
         """Keep the map, but take the pose as unknown: the robot has been put elsewhere.
 
-        The oracle learns its pose with the next step.
-
-        Raises
-        ------
-        ConfigError
-            With dead reckoning, which would never learn where it is.
+        The oracle learns its pose with the next step; dead reckoning never does.
         """
-        if self.localization == "odometry":
-            raise ConfigError(
-                "start is given with keep_map and localization='odometry', expected none: "
-                "dead reckoning cannot find a robot that was carried"
-            )
         if self.localization == "slam":
             self._filter.relocalise()
 

@@ -50,9 +50,9 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     ## Description
 
     A round robot with two driven wheels stands somewhere on an annotated floor and is told what kind of place to go
-    to. It never learns where it is: its odometry drifts, and a region-based FastSLAM 2.0 filter (Oberländer et al.
-    2008) turns noisy and partial measurements of rooms, hallways, doors and furniture into a belief about pose and
-    semantic map. That belief is the observation. Success is judged on the truth.
+    to, or to map the floor (`task="explore"`). It never learns where it is: its odometry drifts, and a region-based
+    FastSLAM 2.0 filter (Oberländer et al. 2008) turns noisy and partial measurements of rooms, hallways, doors and
+    furniture into a belief about pose and semantic map. That belief is the observation. Success is judged on the truth.
 
     ## Action Space
 
@@ -241,10 +241,10 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         ------
         ConfigError
             For an unknown option or goal, a start that is not free, a goal that cannot be reached from it, or a map
-            that cannot be kept. No episode runs then.
+            that cannot be kept. The episode before goes on then.
         """
         super().reset(seed=seed)
-        chosen, self._running = read_options(options), False
+        chosen = read_options(options)
         mission_rng, odometry_rng, lidar_rng, region_rng, filter_rng, world_rng = self._generators()
         if chosen.keep_map:
             number = self._go_on(mission_rng, chosen)
@@ -289,12 +289,16 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         """Draw a mission in the same world and keep the map; return the number of the world, if it has one."""
         if not hasattr(self, "mission"):
             raise ConfigError("keep_map is True, expected False in the first reset: there is no map yet")
-        mission, number = self._missions.stay(
+        if chosen.start is not None and self.localization == "odometry":
+            raise ConfigError(
+                f"start is {chosen.start!r}, expected none with keep_map and localization='odometry': "
+                "dead reckoning cannot find a robot that was carried"
+            )
+        self.mission, number = self._missions.stay(
             mission_rng, self.true_pose.tolist(), chosen.goal, chosen.start, chosen.world_seed
         )
         if chosen.start is not None:
             self._localizer.carry()
-        self.mission = mission
         self._observer.aim(self.mission.goal)
         return number
 

@@ -4,7 +4,6 @@ import pickle
 
 import numpy as np
 import pytest
-from gymnasium.error import ResetNeeded
 
 from regionslam_env.env import SemanticNavigationEnv
 from regionslam_env.errors import ConfigError
@@ -128,8 +127,7 @@ def test_dead_reckoning_cannot_be_carried():
     env = mapped(make(localization="odometry"))
     with pytest.raises(ConfigError, match="dead reckoning cannot find a robot that was carried"):
         env.reset(options=KEEP | {"start": KITCHEN, "goal": "office"})
-    with pytest.raises(ResetNeeded):
-        drive(env, 1)
+    assert np.isfinite(drive(env, 1)[1]) and env.goal == "kitchen"  # the episode before goes on
 
 
 @pytest.mark.compiled
