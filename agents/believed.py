@@ -98,7 +98,7 @@ class View:
     position_sigma
         Standard deviation of the position along its worst direction, m.
     goal
-        Wanted type.
+        Wanted type; None where there is none.
     types
         All semantic types.
     """
@@ -108,8 +108,8 @@ class View:
         self.pose: Floats = np.array([x, y, np.arctan2(s, c)])
         xx, xy, _, _, yy = np.asarray(observation["pose_cov"], dtype=np.float64).ravel()[:5]
         self.position_sigma = float(np.sqrt(max(0.0, (xx + yy) / 2 + np.hypot((xx - yy) / 2, xy))))
-        self._goal = int(np.argmax(observation["goal"]))
-        self.goal = types[self._goal]
+        self._goal = int(np.argmax(observation["goal"])) if np.any(observation["goal"]) else None
+        self.goal = None if self._goal is None else types[self._goal]
         self.types = tuple(types)
         self._observation = observation
 
@@ -123,6 +123,8 @@ class View:
 
     def goal_regions(self) -> tuple[BelievedRegion, ...]:
         """Return the regions of the wanted type that probably contain the robot."""
+        if self._goal is None:
+            return ()
         table = region_table(self._observation)
         goal_p = table[:, RegionColumn.TYPES + self._goal]
         near = (goal_p > 0.5) & (table[:, RegionColumn.CONTAINS_ME] > 0.5) & (self._observation["regions_mask"] > 0)
@@ -144,7 +146,7 @@ class View:
         return np.array([c * x + s * y, c * y - s * x])
 
 
-def _region(slot: int, row: Floats, pose: Floats, types: Sequence[str], goal: int) -> BelievedRegion | None:
+def _region(slot: int, row: Floats, pose: Floats, types: Sequence[str], goal: int | None) -> BelievedRegion | None:
     """Turn a row of the table into a region in the map frame; None where it has no extent."""
     column = RegionColumn
     sides = []
@@ -170,7 +172,7 @@ def _region(slot: int, row: Floats, pose: Floats, types: Sequence[str], goal: in
         row=geometry,
         type=types[best],
         type_p=float(probabilities[best]),
-        goal_p=float(probabilities[goal]),
+        goal_p=0.0 if goal is None else float(probabilities[goal]),
         existence=float(row[column.EXISTENCE]),
         visited=bool(row[column.VISITED] > 0.5),
         contains_me=float(row[column.CONTAINS_ME]),

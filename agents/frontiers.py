@@ -18,6 +18,8 @@ CLEARANCE = 0.3
 SMALLEST = 3
 """Cells of the smallest frontier."""
 MOST = 256
+ROOM = 15.0
+"""Worth (m) of a frontier that only leads to the rest of a room with an open edge."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,7 +102,7 @@ def _appraise(label: int, door: BelievedRegion | None, view: View) -> tuple[str,
         return f"the end of the {kind}", 0.0
     if door is not None:
         return f"door {door.slot} of the {kind}", 8.0
-    return f"the rest of the {kind}", 15.0 if is_open else 30.0
+    return f"the rest of the {kind}", ROOM if is_open else 30.0
 
 
 @njit

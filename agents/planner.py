@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from agents.believed import BelievedRegion, View
-from agents.frontiers import CLEARANCE, Frontier, find_frontiers
+from agents.frontiers import CLEARANCE, ROOM, Frontier, find_frontiers
 from agents.terrain import UNSEEN, Terrain
 from slam.rows import Floats
 
@@ -51,17 +51,20 @@ class Planner:
         The floor seen so far.
     patience
         Decisions for which a target that could not be reached is left alone.
+    leads_on
+        Whether there is a frontier, at the last decision, behind which unknown rooms may lie.
     """
 
     terrain: Terrain
     patience: int = 40
     _avoided: list[tuple[Floats, float, int]] = field(default_factory=list, repr=False)
+    leads_on: bool = True
     _decisions: int = 0
 
     def reset(self) -> None:
         """Forget what could not be reached."""
         self._avoided.clear()
-        self._decisions = 0
+        self.leads_on, self._decisions = True, 0
 
     def avoid(self, target: Target, radius: float = 0.8) -> None:
         """Leave a target alone for a while."""
@@ -83,6 +86,7 @@ class Planner:
         frontiers = [f for f in find_frontiers(self.terrain, view) if not self._is_avoided(f.point)]
         if not frontiers:
             frontiers = [f for f in find_frontiers(self.terrain, view, CLEARANCE / 2) if not self._is_avoided(f.point)]
+        self.leads_on = any(frontier.worth < ROOM for frontier in frontiers)
         if not frontiers:
             return self._revisit(view)
         if goals:

@@ -1,4 +1,4 @@
-"""A scripted expert for "go to": plans on the believed map, explores what it does not know, drives on lidar.
+"""A scripted expert: plans on the believed map, explores what it does not know, drives on lidar.
 
 It reads the observation alone. Nothing is drawn at random: the same observations give the same actions.
 """
@@ -34,7 +34,7 @@ WAY_POINT = 2.0
 
 
 class ScriptedAgent:
-    """Goes to a region of the wanted type.
+    """Goes to a region of the wanted type; where none is wanted, it explores until no way leads to unknown rooms.
 
     Parameters
     ----------
@@ -81,6 +81,7 @@ class ScriptedAgent:
         self._route_due = 0
         self._confirmations = 0
         self._waiting = 0  # steps spent at the goal without being sure
+        self._seen_all = False
         self._words = "starting"
 
     def say(self) -> str:
@@ -93,9 +94,9 @@ class ScriptedAgent:
         ranges = np.asarray(observation["lidar"], dtype=np.float64)
         self.terrain.insert(view.pose, ranges)
         drive = self._drive(view, ranges)
-        arrived = self._arrived(view)
+        arrived = self._arrived(view) or (self._declares and self._seen_all)
         if arrived and (self._declares or self.target is None or self.target.kind != "goal"):
-            self._words = f"arrived in the {view.goal}"
+            self._words = "done exploring" if view.goal is None else f"arrived in the {view.goal}"
             drive = np.zeros(2)
         self._time += 1
         if self._declares:
@@ -140,6 +141,7 @@ class ScriptedAgent:
         if target is not None and (current is None or np.hypot(*(target.point - current.point)) > 0.5):
             self._progress.restart()
         self.target = target
+        self._seen_all = view.goal is None and not self.planner.leads_on
         self.route = np.zeros((0, 2))
         self._due = self._time + (10 if target is not None and target.kind == "goal" else 20)
         if target is not None:

@@ -12,7 +12,8 @@ import numpy as np
 
 from regionslam_env.config import SEMANTIC_TYPES, RobotConfig
 from regionslam_env.errors import ConfigError, WorldError
-from regionslam_env.tasks.task import GoToTask
+from regionslam_env.tasks.goto import GoToTask
+from regionslam_env.tasks.task import TaskSettings
 from regionslam_env.worlds.format import load_world, save_world
 from regionslam_env.worlds.generate.generator import KINDS, generate
 from regionslam_env.worlds.generate.options import WorldOptions
@@ -142,7 +143,7 @@ def _linked(world: World) -> bool:
 
 def _starts(world: World, radius: float, seed: int) -> bool:
     """Return whether drawn missions start on free floor, with a way to their goal."""
-    task = GoToTask(world, Geodesic(world, radius), SEMANTIC_TYPES, RobotConfig().step)
+    task = GoToTask(world, Geodesic(world, radius), TaskSettings(SEMANTIC_TYPES))
     rng = np.random.default_rng(seed)
     try:
         missions = [task.draw(rng) for _ in range(MISSIONS)]

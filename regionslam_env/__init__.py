@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from regionslam_env.config import SEMANTIC_TYPES, NoiseConfig, RobotConfig, SensorConfig
     from regionslam_env.env import SemanticNavigationEnv
     from regionslam_env.observations import LinkColumn, RegionColumn, link_table, region_table
-    from regionslam_env.tasks.rewards import RewardConfig
+    from regionslam_env.tasks.rewards import ExploreRewardConfig, RewardConfig
     from regionslam_env.worlds.world import World
     from regionslam_env.wrappers import (
         DiscreteActions,
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 __all__ = [
     "SEMANTIC_TYPES",
     "DiscreteActions",
+    "ExploreRewardConfig",
     "FlatObservation",
     "GraphObservation",
     "LinkColumn",
@@ -59,6 +60,7 @@ _HOME = {
     "RegionColumn": "observations",
     "link_table": "observations",
     "region_table": "observations",
+    "ExploreRewardConfig": "tasks.rewards",
     "RewardConfig": "tasks.rewards",
     "World": "worlds.world",
 }

@@ -3,15 +3,34 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 from regionslam_env.config import RobotConfig, from_dict
 from regionslam_env.errors import ConfigError, unknown
 
 T = TypeVar("T")
 
-OPTIONS = ("goal", "start", "world_seed")
-"""What `reset(options=...)` takes."""
+
+class ResetOptions(NamedTuple):
+    """What `reset(options=...)` takes.
+
+    Parameters
+    ----------
+    goal
+        Semantic type to go to.
+    start
+        True pose (x, y, theta) in the world frame, m and rad.
+    world_seed
+        Number of the world to enter.
+    keep_map
+        Whether the filter keeps its map.
+    """
+
+    goal: str | None = None
+    start: Sequence[float] | None = None
+    world_seed: int | None = None
+    keep_map: bool = False
+
 
 ROBOTS: Mapping[str, RobotConfig] = {"standard": RobotConfig()}
 """Robots by name."""
@@ -38,9 +57,12 @@ def robot_config(robot: str | Mapping[str, Any] | RobotConfig) -> RobotConfig:
     return from_dict(RobotConfig, robot, "robot")
 
 
-def read_options(options: Mapping[str, Any] | None) -> tuple[str | None, Sequence[float] | None, int | None]:
-    """Return goal, start pose and world seed of `reset(options=...)`; `ConfigError` for an unknown option."""
+def read_options(options: Mapping[str, Any] | None) -> ResetOptions:
+    """Return the options of `reset(options=...)`; `ConfigError` for an unknown one."""
     options = options or {}
     for name in options:
-        one_of("option of reset", name, OPTIONS)
-    return options.get("goal"), options.get("start"), options.get("world_seed")
+        one_of("option of reset", name, ResetOptions._fields)
+    read = ResetOptions(**options)
+    if not isinstance(read.keep_map, bool):
+        raise ConfigError(f"keep_map is {read.keep_map!r}, expected True or False")
+    return read

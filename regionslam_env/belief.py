@@ -48,6 +48,14 @@ class Localizer:
         self._reckoning = ParticleSet.at(np.zeros(3), 1).particles
         self.belief = self._filter.belief
 
+    def carry(self) -> None:
+        """Keep the map, but take the pose as unknown: the robot has been put elsewhere.
+
+        The oracle learns its pose with the next step; dead reckoning never does.
+        """
+        if self.localization == "slam":
+            self._filter.relocalise()
+
     def step(self, odometry: Odometry, scan: Scan, true_pose: Floats) -> Belief:
         """Take in what was measured and return the belief.
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from functools import lru_cache, partial
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,10 +14,10 @@ from gymnasium.error import ResetNeeded
 from numpy.typing import ArrayLike, NDArray
 
 from regionslam_env.actions import ARRIVALS, Arrival, action_space, read_action
-from regionslam_env.arguments import one_of, read_options, robot_config, whole_number
+from regionslam_env.arguments import ResetOptions, one_of, read_options, robot_config, whole_number
 from regionslam_env.belief import LOCALIZATIONS, Localization, Localizer, probability_in_type
 from regionslam_env.config import SEMANTIC_TYPES, NoiseConfig, RobotConfig, SensorConfig, from_dict, noise_set
-from regionslam_env.missions.mission import GoTo
+from regionslam_env.errors import ConfigError
 from regionslam_env.observations import Observation, Observer, observed_types
 from regionslam_env.sensors.lidar import Lidar
 from regionslam_env.sensors.odometry import OdometrySensor
@@ -25,11 +25,11 @@ from regionslam_env.sensors.region_sensor import RegionSensor
 from regionslam_env.simulation.physics import Simulation
 from regionslam_env.tasks.drawing import MissionSource
 from regionslam_env.tasks.episode import Episode
+from regionslam_env.tasks.kinds import TASKS, task_in
 from regionslam_env.tasks.metrics import MAP_METRICS
-from regionslam_env.tasks.rewards import RewardConfig, goto_reward, reward_set
-from regionslam_env.tasks.task import MIN_START_DISTANCE, GoToTask
+from regionslam_env.tasks.rewards import Rewards, reward_set
+from regionslam_env.tasks.task import Moment, Task, TaskSettings
 from regionslam_env.worlds.generate.options import WorldOptions
-from regionslam_env.worlds.geodesic import Geodesic
 from regionslam_env.worlds.source import SPLITS, WorldSource
 from regionslam_env.worlds.world import World
 from slam.belief import Belief
@@ -45,14 +45,14 @@ Info = dict[str, Any]
 
 
 class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
-    """Go to a place by its meaning, on a floor that is not known and with a pose that is only believed.
+    """Go to a place by its meaning, or map a floor, which is not known, with a pose that is only believed.
 
     ## Description
 
     A round robot with two driven wheels stands somewhere on an annotated floor and is told what kind of place to go
-    to. It never learns where it is: its odometry drifts, and a region-based FastSLAM 2.0 filter (Oberländer et al.
-    2008) turns noisy and partial measurements of rooms, hallways, doors and furniture into a belief about pose and
-    semantic map. That belief is the observation. Success is judged on the truth.
+    to, or to map the floor (`task="explore"`). It never learns where it is: its odometry drifts, and a region-based
+    FastSLAM 2.0 filter (Oberländer et al. 2008) turns noisy and partial measurements of rooms, hallways, doors and
+    furniture into a belief about pose and semantic map. That belief is the observation. Success is judged on the truth.
 
     ## Action Space
 
@@ -76,7 +76,7 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     | links | Box | (512,) | 4 S rows, strongest first: row, row, probability, kind (0 passage, 1 second in first) |
     | links_mask | MultiBinary | (128,) | which rows hold a link |
     | lidar | Box | (180,) | distance (m) along rays all around, counter-clockwise from straight back |
-    | goal | Box | (24,) | one-hot over the T semantic types |
+    | goal | Box | (24,) | one-hot over the T semantic types; zeros where there is no goal |
     | progress | Box | (2,) | share of the episode's steps that has passed, 1 once arrival is declared |
 
     ## Rewards
@@ -91,16 +91,34 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     | collision | -0.05 | every step that something holds the robot back |
     | false_arrival | -10 | arrival declared outside of the goal |
 
+    With `task="explore"`, for which the believed map is compared with the truth every two seconds:
+
+    | Term | Weight | When |
+    | --- | --- | --- |
+    | recall | 20 for all | the map gains regions that can be entered; what it loses costs as much |
+    | edges | 10 for all | it closes their edges |
+    | success | 10 | mission done |
+    | time | -0.002 | every step |
+    | collision | -0.05 | every step that something holds the robot back |
+    | false_arrival | -10 | end declared before enough is mapped |
+
     ## Starting State
 
     At rest, anywhere with a free way of at least `start_distance` to the nearest goal region, in any direction. The
-    goal is a drawn type of room, unless it is given. `reset(options={"goal": "kitchen", "start": (x, y, theta)})` sets
+    goal is a drawn type of room, unless it is given. To explore, it starts anywhere in the largest connected part of
+    the floor. `reset(options={"goal": "kitchen", "start": (x, y, theta)})` sets
     either for one episode (world frame, m and rad).
+
+    `reset(options={"keep_map": True})` goes on with the map of the episode before, in the same world: map frame, map
+    and rows stay, and so does the robot, unless a `start` is given. Then it has been carried, and the filter has to
+    find it again on its map; the oracle is told, and dead reckoning refuses.
 
     ## Episode End
 
     * Termination with `arrival="stay"`: the robot's centre has been inside a goal region for 1 s.
     * Termination with `arrival="declare"`: the robot declares its arrival, right or wrong.
+    * Termination with `task="explore"`: `map_share` of the regions of that part, furniture left out, are on the map;
+      with `arrival="declare"`, the robot declares so, right or wrong.
     * Truncation: after `max_steps` steps.
 
     The last `info` holds the metrics of `regionslam_env.tasks.metrics.METRICS`; None where one has no meaning.
@@ -109,6 +127,7 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
     | Argument | Default | Meaning |
     | --- | --- | --- |
+    | task | "goto" | "goto" or "explore" |
     | world | "institute" | a built-in floor, the path of a world file, a `World`, or a kind (below) |
     | world_options | None | of a kind's worlds: keys of `WorldOptions` (`size`, `clutter`, `ambiguity`) |
     | split | "train" | "train", "val" or "test": disjoint seeds of worlds, missions and noise |
@@ -116,6 +135,7 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     | arrival | "stay" | "stay" or "declare" |
     | goal | None | semantic type to go to in every episode; None draws one |
     | start_distance | 2.0 | least geodesic distance of the start from every goal region, m |
+    | map_share | 0.9 | share of the regions that has to be mapped in order to succeed in exploring |
     | max_steps | 1000 | steps of 0.1 s until truncation (`max_episode_steps` would end it without metrics) |
     | n_particles | 4 | particles of the filter |
     | sensor_range | 8.0 | range of the region sensor, m |
@@ -123,7 +143,7 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     | sensors | None | other keys of `SensorConfig` |
     | robot | "standard" | keys of `RobotConfig` |
     | noise | "standard" | "standard", "heavy", "none", or keys of `NoiseConfig` |
-    | reward | "standard" | "standard", "sparse", or keys of `RewardConfig` |
+    | reward | "standard" | "standard", "sparse", or keys of `RewardConfig` or `ExploreRewardConfig` |
     | max_regions | 32 | rows for regions in an observation |
     | semantic_types | `SEMANTIC_TYPES` | types an observation tells apart; all others count as "other" |
     | reveal_truth | False | puts the true pose and distance into `info["truth"]` |
@@ -145,13 +165,15 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     def __init__(
         self,
         *,
+        task: str = "goto",
         world: str | Path | World = "institute",
         world_options: Mapping[str, Any] | WorldOptions | None = None,
         split: str = "train",
         localization: Localization = "slam",
         arrival: Arrival = "stay",
         goal: str | None = None,
-        start_distance: float = MIN_START_DISTANCE,
+        start_distance: float = 2.0,
+        map_share: float = 0.9,
         max_steps: int = 1000,
         n_particles: int = 4,
         sensor_range: float = 8.0,
@@ -159,12 +181,13 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         sensors: Mapping[str, Any] | None = None,
         robot: str | Mapping[str, Any] | RobotConfig = "standard",
         noise: str | Mapping[str, Any] | NoiseConfig = "standard",
-        reward: str | Mapping[str, Any] | RewardConfig = "standard",
+        reward: str | Mapping[str, Any] | Rewards = "standard",
         max_regions: int = 32,
         semantic_types: Sequence[str] = SEMANTIC_TYPES,
         reveal_truth: bool = False,
         render_mode: str | None = None,
     ) -> None:
+        reward_sets: Mapping[str, Any] = TASKS[one_of("task", task, tuple(TASKS))].reward_sets
         self._split = one_of("split", split, SPLITS)
         self.localization = one_of("localization", localization, LOCALIZATIONS)
         self.arrival = one_of("arrival", arrival, ARRIVALS)
@@ -175,21 +198,23 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         self.sensors = from_dict(
             SensorConfig, {"range": sensor_range, "occlusion": occlusion, **(sensors or {})}, "sensors"
         )
-        self.noise, self.reward = noise_set(noise), reward_set(reward)
+        self.noise = noise_set(noise)
+        self.reward: Any = reward_set(reward, reward_sets)
         self.semantic_types = observed_types(semantic_types)
         self.reveal_truth, self.render_mode = reveal_truth, render_mode
 
         self._localizer = Localizer(self.localization, self._slam_config(n_particles))
-        task_in = partial(
-            _task_in,
-            radius=self.robot.radius,
+        settings = TaskSettings(
             types=self.semantic_types,
             step=self.robot.step,
+            rewards=self.reward,
             declares=self.arrival == "declare",
             start_distance=start_distance,
+            map_share=map_share,
         )
+        enter = partial(task_in, kind=task, radius=self.robot.radius, settings=settings)
         worlds = WorldSource(world, world_options, self._split)
-        self._missions = MissionSource(worlds, task_in, goal, self.semantic_types)
+        self._missions = MissionSource(worlds, enter, goal, self.semantic_types)
         self._enter(self._missions.task)
         self._observer = Observer(
             self.semantic_types, n_slots, self.robot, self.sensors.n_lidar_rays, self.sensors.lidar_range
@@ -209,26 +234,27 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             Of every random number to come; the same one gives the same episodes.
         options
             ``goal``: semantic type to go to; ``start``: true pose (x, y, theta) in the world frame, m and rad;
-            ``world_seed``: number of the world to enter, for an environment with a kind of worlds.
+            ``world_seed``: number of the world to enter, for an environment with a kind of worlds; ``keep_map``:
+            whether the filter keeps its map, and the robot stays where it is unless ``start`` is given.
 
         Raises
         ------
         ConfigError
-            For an unknown option or goal, a start that is not free, or a goal that cannot be reached from it.
+            For an unknown option or goal, a start that is not free, a goal that cannot be reached from it, or a map
+            that cannot be kept. The episode before goes on then.
         """
         super().reset(seed=seed)
-        goal, start, number = read_options(options)
+        chosen = read_options(options)
         mission_rng, odometry_rng, lidar_rng, region_rng, filter_rng, world_rng = self._generators()
-        self.mission, number = self._missions.draw(mission_rng, world_rng, goal, start, number)
-        if self._missions.task is not self.task:
-            self._enter(self._missions.task)
+        if chosen.keep_map:
+            number = self._go_on(mission_rng, chosen)
+        else:
+            number = self._begin(mission_rng, world_rng, filter_rng, chosen)
         self.simulation.reset(*self.mission.start)
         self._odometry_sensor.reset(odometry_rng)
         self._lidar.reset(lidar_rng)
-        self._region_sensor.reset(region_rng)
-        self._localizer.reset(filter_rng)
-        self._observer.reset(self.mission.goal)
-        self._episode = Episode(self.mission)
+        self._region_sensor.reset(region_rng, keep_sightings=chosen.keep_map)
+        self._episode = Episode(self.mission, self._origin)
         self._running = True
         self._true_path: list[Floats] = []
         self._path: list[Floats] = []
@@ -243,7 +269,40 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             info["truth"] = self._truth()
         return observation, info
 
-    def _enter(self, task: GoToTask) -> None:
+    def _begin(
+        self,
+        mission_rng: np.random.Generator,
+        world_rng: np.random.Generator,
+        filter_rng: np.random.Generator,
+        chosen: ResetOptions,
+    ) -> int | None:
+        """Draw world and mission and forget every map; return the number of the world, if it has one."""
+        self.mission, number = self._missions.draw(mission_rng, world_rng, chosen.goal, chosen.start, chosen.world_seed)
+        if self._missions.task is not self.task:
+            self._enter(self._missions.task)
+        self._origin = self.mission.start
+        self._localizer.reset(filter_rng)
+        self._observer.reset(self.mission.goal)
+        return number
+
+    def _go_on(self, mission_rng: np.random.Generator, chosen: ResetOptions) -> int | None:
+        """Draw a mission in the same world and keep the map; return the number of the world, if it has one."""
+        if not hasattr(self, "mission"):
+            raise ConfigError("keep_map is True, expected False in the first reset: there is no map yet")
+        if chosen.start is not None and self.localization == "odometry":
+            raise ConfigError(
+                f"start is {chosen.start!r}, expected none with keep_map and localization='odometry': "
+                "dead reckoning cannot find a robot that was carried"
+            )
+        self.mission, number = self._missions.stay(
+            mission_rng, self.true_pose.tolist(), chosen.goal, chosen.start, chosen.world_seed
+        )
+        if chosen.start is not None:
+            self._localizer.carry()
+        self._observer.aim(self.mission.goal)
+        return number
+
+    def _enter(self, task: Task) -> None:
         """Put robot and sensors into a task's world."""
         self.task, self.world = task, task.world
         self.simulation = Simulation(self.world, self.robot)
@@ -270,21 +329,20 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         self.simulation.step(forward * self.robot.max_speed, turn * self.robot.max_turn_rate)
         pose, collided = self.simulation.pose, self.simulation.collided
         odometry = self._odometry_sensor.measure(before, pose)
-        outcome = self.task.judge(float(pose[0]), float(pose[1]), declared)
         true_pose = episode.in_map(pose)
         belief = self._perceive(odometry, pose, true_pose)
         episode.add(odometry, collided, true_pose, belief.pose_mean, belief.pose_cov)
         observation = self._observe(odometry, float(declared))
-        terms = goto_reward(self.reward, outcome.progress, outcome.success, collided, outcome.false_arrival)
+        last = episode.steps >= self.max_steps
+        terms, success, terminated = self.task.verdict(Moment(pose, collided, declared, belief, self._origin, last))
 
-        terminated = outcome.success or outcome.false_arrival
-        truncated = not terminated and episode.steps >= self.max_steps
+        truncated = last and not terminated
         info: Info = {"reward_terms": terms}
         if self.reveal_truth:
             info["truth"] = self._truth()
         if terminated or truncated:
             self._running = False
-            info |= self._metrics(outcome.success, declared)
+            info |= self._metrics(success, declared)
         return observation, sum(terms.values()), terminated, truncated, info
 
     def _perceive(self, odometry: Odometry, pose: Floats, true_pose: Floats) -> Belief:
@@ -329,14 +387,14 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         return self.simulation.pose
 
     @property
-    def goal(self) -> str:
-        """Semantic type of the running mission."""
+    def goal(self) -> str | None:
+        """Semantic type of the running mission; None where there is none."""
         return self.mission.goal
 
     @property
     def mission_text(self) -> str:
         """The running mission in words."""
-        return str(GoTo(self.mission.goal))
+        return self.mission.text
 
     def __getstate__(self) -> dict[str, Any]:
         """Pickle everything but the pictures, so that an episode continues identically elsewhere."""
@@ -362,7 +420,7 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         )
 
     def _truth(self) -> Info:
-        """Return what no agent may see: true poses (world frame and map frame) and distance to the goal, m."""
+        """Return what no agent may see: true poses (world frame and map frame), distance to the goal (m) or None."""
         pose = self.simulation.pose
         return {"pose": pose, "pose_in_map": self._episode.in_map(pose), "distance_to_goal": self.task.remaining}
 
@@ -375,16 +433,17 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             self.world.regions,
             [(link.source, link.target) for link in self.world.links],
             {self.world.regions[i].id for i in np.flatnonzero(seen)},
-            self.mission.start,
+            self._origin,
         )
         figures = {name: getattr(quality, name.removeprefix("region_")) for name in MAP_METRICS}
+        goal = self.mission.goal
         return self._episode.metrics(
             success,
-            declared if self.task.declares else None,
-            probability_in_type(self.belief, self.mission.goal),
+            declared if self.arrival == "declare" else None,
+            None if goal is None else probability_in_type(self.belief, goal),
             self.task.remaining,
             self.simulation.path_length,
-            figures,
+            figures | dict(self.task.figures),
         )
 
     def _write(self) -> str:
@@ -404,7 +463,7 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         if self._renderer is None:
             self._renderer = Renderer(
                 self.world,
-                self.mission.start,
+                self._origin,
                 self.mission.goal,
                 robot_radius=self.robot.radius,
                 lidar_range=self.sensors.lidar_range,
@@ -424,14 +483,3 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             driven=self.simulation.path_length,
         )
         return self._renderer.frame(snapshot)
-
-
-def _task_in(world: World, radius: float, **kwargs: Any) -> GoToTask:
-    """Return the task in a world for a robot of a radius, m."""
-    return GoToTask(world, _geodesic(world, radius), **kwargs)
-
-
-@lru_cache(maxsize=8)
-def _geodesic(world: World, radius: float) -> Geodesic:
-    """Return the shortest distances in a world, shared by every environment that uses it: worlds are immutable."""
-    return Geodesic(world, radius)

@@ -166,9 +166,13 @@ class Observer:
         self._type_columns = np.zeros(0, np.int64)
         self._goal = 0
 
-    def reset(self, goal: str) -> None:
-        """Begin an episode with this goal type, with every slot free."""
-        self._goal = self.types.index(goal)
+    def aim(self, goal: str | None) -> None:
+        """Set the goal type, or none, and leave every region in its slot."""
+        self._goal = -1 if goal is None else self.types.index(goal)
+
+    def reset(self, goal: str | None) -> None:
+        """Begin an episode with this goal type, or none, with every slot free."""
+        self.aim(goal)
         self._ids[:] = -1
         self._places[:] = -1
         self._type_columns = np.zeros(0, np.int64)
@@ -295,5 +299,6 @@ def write_senses(
     velocity[1] = tables.clip(rotation / limits[0], limits[2])
     for i in range(len(lidar)):
         lidar[i] = min(limits[3], max(0.0, ranges[i]))
-    goal[goal_type] = 1
+    if goal_type >= 0:
+        goal[goal_type] = 1
     progress[0], progress[1] = elapsed, done

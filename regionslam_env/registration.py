@@ -9,6 +9,22 @@ ENTRY_POINT = "regionslam_env.env:SemanticNavigationEnv"
 ENVIRONMENTS: dict[str, dict[str, Any]] = {
     "RegionSLAM/GoTo-v0": {"arrival": "stay"},
     "RegionSLAM/GoTo-Declare-v0": {"arrival": "declare"},
+    "RegionSLAM/GoTo-Oracle-v0": {"arrival": "stay", "localization": "oracle"},
+    "RegionSLAM/GoTo-Odometry-v0": {"arrival": "stay", "localization": "odometry"},
+    "RegionSLAM/Explore-v0": {"task": "explore", "arrival": "stay", "max_steps": 6000},
+    "RegionSLAM/Explore-Declare-v0": {"task": "explore", "arrival": "declare", "max_steps": 6000},
+    "RegionSLAM/Explore-Oracle-v0": {
+        "task": "explore",
+        "arrival": "stay",
+        "max_steps": 6000,
+        "localization": "oracle",
+    },
+    "RegionSLAM/Explore-Odometry-v0": {
+        "task": "explore",
+        "arrival": "stay",
+        "max_steps": 6000,
+        "localization": "odometry",
+    },
 }
 """Keyword arguments that set each id apart; the rest of them can be given to `gymnasium.make`."""
 

@@ -22,6 +22,14 @@ class GoTo:
 
 
 @dataclass(frozen=True)
+class Explore:
+    """Map the floor."""
+
+    def __str__(self) -> str:
+        return "map the floor"
+
+
+@dataclass(frozen=True)
 class Mission:
     """Instructions to follow in order.
 

@@ -91,11 +91,12 @@ class RegionSensor:
         self._normals = np.zeros(max(_BLOCK, DRAWS * len(self._rows)))
         self.reset(rng)
 
-    def reset(self, rng: np.random.Generator) -> None:
-        """Start a new episode with a generator of its own."""
+    def reset(self, rng: np.random.Generator, keep_sightings: bool = False) -> None:
+        """Start a new episode with a generator of its own, and count the sightings anew unless they are kept."""
         self._rng = rng
         self._drawn = len(self._normals)
-        self.sightings = np.zeros(len(self._rows), np.int64)
+        if not keep_sightings:
+            self.sightings = np.zeros(len(self._rows), np.int64)
         self._measured = np.zeros(0, np.int64)
 
     @property

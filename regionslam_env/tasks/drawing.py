@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from regionslam_env.errors import ConfigError, unknown
-from regionslam_env.tasks.task import GoToMission, GoToTask
+from regionslam_env.tasks.task import DrawnMission, Task
 from regionslam_env.worlds.source import PER_SPLIT, WorldSource
 from regionslam_env.worlds.world import World
 
@@ -41,10 +41,11 @@ class MissionSource:
     """
 
     def __init__(
-        self, worlds: WorldSource, task_in: Callable[[World], GoToTask], goal: str | None, types: Sequence[str]
+        self, worlds: WorldSource, task_in: Callable[[World], Task], goal: str | None, types: Sequence[str]
     ) -> None:
         self._worlds, self._task_in, self._goal, self._types = worlds, task_in, goal, tuple(types)
         self.task = task_in(worlds.world(0))
+        self._number: int | None = None
         if goal is not None:
             self._check(goal)
 
@@ -55,7 +56,7 @@ class MissionSource:
         goal: str | None = None,
         start: Sequence[float] | None = None,
         number: int | None = None,
-    ) -> tuple[GoToMission, int | None]:
+    ) -> tuple[DrawnMission, int | None]:
         """Draw what is not given; return the mission and the world's number within its split, if it has one.
 
         Raises
@@ -65,13 +66,13 @@ class MissionSource:
             has no number.
         """
         goal = self._goal if goal is None else goal
+        if goal is not None:
+            self._check(goal)
         if self._worlds.kind is None:
             if number is not None:
                 name = self.task.world.name
                 raise ConfigError(f"world_seed is {number!r}, expected none: world {name!r} is always the same")
             return self.task.draw(rng, goal, start), None
-        if goal is not None:
-            self._check(goal)
         if number is not None or start is not None:
             return self._enter(int(world_rng.integers(PER_SPLIT)) if number is None else number, rng, goal, start)
         for _ in range(WORLD_TRIES):
@@ -81,19 +82,45 @@ class MissionSource:
                 last = error
         raise ConfigError(f"none of {WORLD_TRIES} worlds of kind {self._worlds.kind!r} will do; the last one: {last}")
 
+    def stay(
+        self,
+        rng: np.random.Generator,
+        pose: Sequence[float],
+        goal: str | None = None,
+        start: Sequence[float] | None = None,
+        number: int | None = None,
+    ) -> tuple[DrawnMission, int | None]:
+        """Draw another mission in the world of the last one; without a start, the robot stays at its pose there.
+
+        Raises
+        ------
+        ConfigError
+            As in `draw`, and for the number of another world.
+        """
+        if number != self._number and number is not None:
+            here = self._number if self._number is not None else repr(self.task.world.name)
+            raise ConfigError(f"world_seed is {number!r}, expected that of the map to keep: {here}")
+        goal = self._goal if goal is None else goal
+        if goal is not None:
+            self._check(goal)
+        standing = start is None
+        return self.task.draw(rng, goal, pose if standing else start, standing=standing), self._number
+
     def _enter(
         self, number: int, rng: np.random.Generator, goal: str | None, start: Sequence[float] | None
-    ) -> tuple[GoToMission, int]:
+    ) -> tuple[DrawnMission, int]:
         """Draw a mission in a world of this number, which becomes that of the task unless there is none."""
         world = self._worlds.world(number)
         if goal is not None and goal not in world.types:
             raise ConfigError(f"world {world.name!r}: {unknown('goal', goal, set(world.types) & set(self._types))}")
         task = self.task if world is self.task.world else self._task_in(world)
         mission = task.draw(rng, goal, start)
-        self.task = task
+        self.task, self._number = task, number
         return mission, number
 
     def _check(self, goal: str) -> None:
+        if not self.task.takes_goal:
+            raise ConfigError(f"goal is {goal!r}, expected none: this task looks for no type of region")
         known = set(self._types)
         if self._worlds.kind is None:
             known &= set(self.task.world.types)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from regionslam_env.tasks.metrics import EpisodeFacts, Floats, PoseErrors, episode_metrics
-from regionslam_env.tasks.task import GoToMission
+from regionslam_env.tasks.task import DrawnMission
 from slam.motion import Odometry
 
 
@@ -19,7 +19,9 @@ class Episode:
     Parameters
     ----------
     mission
-        Its start pose is the origin of the map frame.
+        What is to be done.
+    origin
+        Pose (x, y, theta) of the map frame in the world frame, m and rad: where the map was begun.
 
     Attributes
     ----------
@@ -27,14 +29,14 @@ class Episode:
         Steps so far.
     """
 
-    def __init__(self, mission: GoToMission) -> None:
+    def __init__(self, mission: DrawnMission, origin: tuple[float, float, float]) -> None:
         self.mission = mission
         self.steps = 0
         self._pose_errors = PoseErrors()
         self._odometry_path = 0.0
         self._collisions = 0
         self._collided = False
-        x, y, theta = mission.start
+        x, y, theta = origin
         self._frame = (x, y, theta, math.cos(theta), math.sin(theta))
 
     def in_map(self, pose: Floats) -> Floats:
@@ -57,8 +59,8 @@ class Episode:
         self,
         success: bool,
         declared: bool | None,
-        believed: float,
-        remaining: float,
+        believed: float | None,
+        remaining: float | None,
         path_length: float,
         map_quality: Mapping[str, float | None],
     ) -> dict[str, Any]:

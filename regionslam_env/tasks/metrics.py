@@ -1,7 +1,8 @@
 """Metrics of one episode, each defined for every case; None (null in JSON), never NaN, where one has no meaning.
 
 Distances are geodesic, for a disc of the robot's radius, until its centre is inside the *nearest* region of the goal
-type. Pose errors are taken in the map frame against the true pose relative to the start, without any alignment.
+type; where there is no goal, these and what the robot believes of it are None. Pose errors are taken in the map frame
+against the true pose relative to the start, without any alignment.
 """
 
 from __future__ import annotations
@@ -21,9 +22,12 @@ Floats = NDArray[np.float64]
 MAP_METRICS = ("region_precision", "region_recall", "region_iou", "type_accuracy", "link_f1")
 """Metrics of the believed map, computed by `slam.evaluation.map_quality` at the end of an episode."""
 
+TASK_METRICS = ("explored", "closed_edges")
+"""Metrics of exploring: shares of the reachable regions that are mapped, and of their edges that are closed."""
+
 METRICS = (
     *("success", "spl", "soft_spl", "distance_to_goal", "path_length", "collisions", "false_arrival"),
-    *("belief_success", "belief_spl", "ape_rmse", "ape_max", "ape_end", "pose_nees", *MAP_METRICS),
+    *("belief_success", "belief_spl", "ape_rmse", "ape_max", "ape_end", "pose_nees", *MAP_METRICS, *TASK_METRICS),
 )
 """Every key that the last `info` of an episode holds."""
 
@@ -98,9 +102,10 @@ class EpisodeFacts:
     declared
         The robot declared its arrival; None where there is nothing to declare (``arrival="stay"``).
     believed
-        Probability, on the believed pose and map, of being in a region of the goal type at the end.
+        Probability, on the believed pose and map, of being in a region of the goal type at the end; None where there is
+        no goal.
     shortest, remaining
-        True geodesic distance to the goal at the start and at the end, m.
+        True geodesic distance to the goal at the start and at the end, m; None where there is no goal.
     path_length, believed_path_length
         Length driven in truth and by odometry, m.
     collisions
@@ -109,9 +114,9 @@ class EpisodeFacts:
 
     success: bool
     declared: bool | None
-    believed: float
-    shortest: float
-    remaining: float
+    believed: float | None
+    shortest: float | None
+    remaining: float | None
     path_length: float
     believed_path_length: float
     collisions: int
@@ -126,20 +131,24 @@ def episode_metrics(
     has declared so where declarations exist. ``belief_spl`` weights that verdict by the path odometry tells instead
     of the true one; the shortest path stays the true one, which is how hard the mission was.
     """
-    belief_success = facts.believed > 0.5 and facts.declared is not False
-    metrics: dict[str, float | int | bool | None] = {
+    path, shortest, remaining = facts.path_length, facts.shortest, facts.remaining
+    belief_success = None if facts.believed is None else facts.believed > 0.5 and facts.declared is not False
+    metrics: dict[str, float | int | bool | None] = dict.fromkeys(METRICS)
+    if shortest is not None and remaining is not None:
+        metrics["spl"] = spl(facts.success, shortest, path)
+        metrics["soft_spl"] = soft_spl(shortest, remaining, path)
+        metrics["distance_to_goal"] = remaining
+        if belief_success is not None:
+            metrics["belief_spl"] = spl(belief_success, shortest, facts.believed_path_length)
+    metrics |= {
         "success": facts.success,
-        "spl": spl(facts.success, facts.shortest, facts.path_length),
-        "soft_spl": soft_spl(facts.shortest, facts.remaining, facts.path_length),
-        "distance_to_goal": facts.remaining,
         "path_length": facts.path_length,
         "collisions": facts.collisions,
         "false_arrival": None if facts.declared is None else facts.declared and not facts.success,
         "belief_success": belief_success,
-        "belief_spl": spl(belief_success, facts.shortest, facts.believed_path_length),
         **pose_errors.metrics(),
     }
-    return metrics | {name: _finite(map_quality.get(name)) for name in MAP_METRICS}
+    return metrics | {name: _finite(map_quality.get(name)) for name in (*MAP_METRICS, *TASK_METRICS)}
 
 
 def _finite(value: float | None) -> float | None:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 from regionslam_env.config import from_dict
 from regionslam_env.errors import ConfigError, unknown
@@ -38,15 +38,60 @@ class RewardConfig:
     false_arrival: float = -10.0
 
 
+@dataclass(frozen=True)
+class ExploreRewardConfig:
+    """Weights of the reward terms of exploring.
+
+    Parameters
+    ----------
+    recall
+        For the whole floor: per share of the reachable regions that the believed map has gained; a loss costs as much.
+    edges
+        For the whole floor: per share of their edges that it has closed.
+    success
+        Once, when enough is mapped.
+    time
+        In every step.
+    collision
+        In every step in which the robot touches something.
+    false_arrival
+        Once, when the robot declares that it is done and has not mapped enough.
+    """
+
+    recall: float = 20.0
+    edges: float = 10.0
+    success: float = 10.0
+    time: float = -0.002
+    collision: float = -0.05
+    false_arrival: float = -10.0
+
+
+Rewards = RewardConfig | ExploreRewardConfig
+
 REWARD_SETS: Mapping[str, RewardConfig] = {
     "standard": RewardConfig(),
     "sparse": RewardConfig(progress=0.0, success=1.0, time=0.0, collision=0.0, false_arrival=0.0),
 }
 """Reward weights by name: `standard` leads to the goal, `sparse` pays the success alone."""
 
+EXPLORE_REWARD_SETS: Mapping[str, ExploreRewardConfig] = {
+    "standard": ExploreRewardConfig(),
+    "sparse": ExploreRewardConfig(recall=0.0, edges=0.0, success=1.0, time=0.0, collision=0.0, false_arrival=0.0),
+}
+"""The same of exploring."""
 
-def reward_set(reward: str | Mapping[str, Any] | RewardConfig | None) -> RewardConfig:
+R = TypeVar("R", RewardConfig, ExploreRewardConfig)
+
+
+def reward_set(reward: str | Mapping[str, Any] | R | None, sets: Mapping[str, R]) -> R:
     """Return the weights of that name, those given, or the standard ones with some of them changed.
+
+    Parameters
+    ----------
+    reward
+        A name, weights, or a dictionary of some of them; None for the standard ones.
+    sets
+        Of the task, by name.
 
     Raises
     ------
@@ -54,10 +99,10 @@ def reward_set(reward: str | Mapping[str, Any] | RewardConfig | None) -> RewardC
         For an unknown name or key, with the nearest known ones.
     """
     if isinstance(reward, str):
-        if reward not in REWARD_SETS:
-            raise ConfigError(unknown("reward", reward, REWARD_SETS))
-        return REWARD_SETS[reward]
-    return from_dict(RewardConfig, reward, "reward")
+        if reward not in sets:
+            raise ConfigError(unknown("reward", reward, sets))
+        return sets[reward]
+    return from_dict(type(sets["standard"]), reward, "reward")
 
 
 def goto_reward(
@@ -76,6 +121,30 @@ def goto_reward(
     """
     return {
         "progress": weights.progress * progress,
+        "success": weights.success if success else 0.0,
+        "time": weights.time,
+        "collision": weights.collision if collided else 0.0,
+        "false_arrival": weights.false_arrival if false_arrival else 0.0,
+    }
+
+
+def explore_reward(
+    weights: ExploreRewardConfig, recall: float, edges: float, success: bool, collided: bool, false_arrival: bool
+) -> dict[str, float]:
+    """Return the terms of one step's reward by name; the reward is their sum.
+
+    Parameters
+    ----------
+    weights
+        What each term pays.
+    recall, edges
+        Increase of the shares of regions mapped and of edges closed in this step.
+    success, collided, false_arrival
+        What happened in this step.
+    """
+    return {
+        "recall": weights.recall * recall,
+        "edges": weights.edges * edges,
         "success": weights.success if success else 0.0,
         "time": weights.time,
         "collision": weights.collision if collided else 0.0,

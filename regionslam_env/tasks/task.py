@@ -1,204 +1,174 @@
-"""The task `GoTo`: be in a region of a type. It draws missions and judges them on the truth, which no agent sees."""
+"""What a task is to the environment: it draws missions, judges every step on the truth, and pays for it."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from regionslam_env.errors import ConfigError, WorldError, unknown
-from regionslam_env.worlds.clearance import Grid
-from regionslam_env.worlds.flooding import Roots, foot, query
+from regionslam_env.errors import ConfigError
+from regionslam_env.tasks.rewards import Rewards
 from regionslam_env.worlds.geodesic import Field, Geodesic
 from regionslam_env.worlds.world import World
-from slam.jit import njit
+from slam.belief import Belief
 
-MIN_START_DISTANCE = 2.0
-"""Geodesic distance that a drawn start keeps from every goal region, m."""
+Pose = tuple[float, float, float]
 
-STAY_SECONDS = 1.0
-"""How long the robot's centre has to be inside a goal region where arrival is not declared, s."""
-
-_NO_GOALS = frozenset({"door", "other"})  # passages and places without a name are drawn for nobody
+CONTACT = 0.03
+"""How far a touching robot is moved to measure its distance, m; contacts overlap by less than half of that."""
 
 
 @dataclass(frozen=True)
-class GoToMission:
+class DrawnMission:
     """A drawn mission.
 
     Parameters
     ----------
-    goal
-        Semantic type to go to.
+    text
+        In words.
     start
         Pose (x, y, theta) in the world frame, m and rad.
+    goal
+        Semantic type to go to; None where there is none.
     shortest
-        Geodesic distance from the start into the nearest goal region, m.
+        Geodesic distance from the start into the nearest goal region, m; None without a goal.
     """
 
-    goal: str
-    start: tuple[float, float, float]
-    shortest: float
+    text: str
+    start: Pose
+    goal: str | None
+    shortest: float | None
 
 
-class Outcome(NamedTuple):
-    """What one step has brought.
+@dataclass(frozen=True)
+class TaskSettings:
+    """What an environment tells its task.
 
     Parameters
     ----------
-    progress
-        Decrease of the geodesic distance to the goal, m.
-    inside
-        The robot's true centre is inside a goal region.
-    success, false_arrival
-        The mission ends with this step, well or with a wrong declaration.
+    types
+        Semantic types that an observation can tell apart: what a goal can be.
+    step
+        Duration of a step, s.
+    rewards
+        Weights of the reward terms, of the task's own kind; None for its standard ones.
+    declares
+        Whether the robot declares that it is done.
+    start_distance
+        Least geodesic distance of a drawn start from every goal region, m.
+    map_share
+        Share of the reachable regions that have to be mapped.
     """
 
-    progress: float
-    inside: bool
+    types: Sequence[str]
+    step: float = 0.1
+    rewards: Rewards | None = None
+    declares: bool = False
+    start_distance: float = 2.0
+    map_share: float = 0.9
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.start_distance) and self.start_distance >= 0):
+            raise ConfigError(f"start_distance is {self.start_distance!r}, expected a length of at least 0 m")
+        if not (isinstance(self.map_share, int | float) and 0 < self.map_share <= 1):
+            raise ConfigError(f"map_share is {self.map_share!r}, expected a share above 0 and up to 1")
+
+
+class Moment(NamedTuple):
+    """The end of a step.
+
+    Parameters
+    ----------
+    pose
+        True pose in the world frame, shape (3,).
+    collided, declared
+        Something held the robot back; it declared that it is done.
+    belief
+        About pose and map.
+    origin
+        Pose of the map frame in the world frame.
+    last
+        No step may follow.
+    """
+
+    pose: NDArray[np.float64]
+    collided: bool
+    declared: bool
+    belief: Belief
+    origin: Pose
+    last: bool
+
+
+class Verdict(NamedTuple):
+    """What one step has brought: the named terms of its reward, and whether the mission is done or just over."""
+
+    terms: dict[str, float]
     success: bool
-    false_arrival: bool
+    over: bool
 
 
-class GoToTask:
-    """Be in a region of the goal type, by staying there for a second or by declaring it.
+class Task(ABC):
+    """A kind of mission in one world.
 
     Parameters
     ----------
     world, geodesic
         The truth, and shortest distances in it.
-    types
-        Semantic types that an observation can tell apart: what a goal can be.
-    step
-        Duration of a step, s.
-    declares
-        Whether arrival is declared.
-    goal
-        The goal type of every episode; None: drawn for each.
-    start_distance
-        Least geodesic distance of a drawn start from every goal region, m.
-
-    Raises
-    ------
-    ConfigError
-        For a goal that is no type of this world, or a distance that is not a number.
+    settings
+        What the environment tells its task.
     """
 
-    def __init__(
-        self,
-        world: World,
-        geodesic: Geodesic,
-        types: Sequence[str],
-        step: float,
-        declares: bool = False,
-        goal: str | None = None,
-        start_distance: float = MIN_START_DISTANCE,
-    ) -> None:
-        if not (math.isfinite(start_distance) and start_distance >= 0):
-            raise ConfigError(f"start_distance is {start_distance!r}, expected a length of at least 0 m")
-        self.world, self.geodesic, self.declares = world, geodesic, declares
-        self.goal, self.start_distance = goal, float(start_distance)
-        self._steps_to_stay = max(1, math.ceil(STAY_SECONDS / step - 1e-9))
-        rooms = {region.type for region in world.regions if region.parent is None}
-        self.goals = tuple(t for t in world.types if t in rooms and t in types and t not in _NO_GOALS)
-        self._types = tuple(types)
-        if goal is not None:
-            self._check_goal(goal)
+    takes_goal: ClassVar[bool]
+    """Whether a semantic type is looked for."""
+    reward_sets: ClassVar[Mapping[str, Any]]
+    """Weights of its reward terms by name, "standard" among them."""
 
+    def __init__(self, world: World, geodesic: Geodesic, settings: TaskSettings) -> None:
+        self.world, self.geodesic, self.settings = world, geodesic, settings
+        self.rewards: Any = self.reward_sets["standard"] if settings.rewards is None else settings.rewards
+
+    @abstractmethod
     def draw(
         self,
         rng: np.random.Generator,
         goal: str | None = None,
         start: Sequence[float] | None = None,
-    ) -> GoToMission:
-        """Draw what is not given and begin the episode.
+        standing: bool = False,
+    ) -> DrawnMission:
+        """Draw what is not given and begin the episode; a robot that is `standing` may touch something.
 
         Raises
         ------
         ConfigError
-            Where the goal cannot be reached, the start is not free, or no place is far enough from the goal.
+            For a goal or a start that cannot be one.
         """
-        goal = self.goal if goal is None else goal
-        if goal is not None:
-            self._check_goal(goal)
-            mission = self._mission(rng, goal, start)
-        else:
-            mission = self._any_mission(rng, start)
-        roots = self._field_of(mission.goal).roots
-        self._roots = (tuple(roots.grid), *roots[1:])
-        self._remaining = mission.shortest
-        self._stayed = 0
-        return mission
 
-    def judge(self, x: float, y: float, declared: bool) -> Outcome:
-        """Judge a step that ends at this true position (world frame, m)."""
-        distance, within = judge(self._roots, x, y)
-        remaining, inside = float(distance), bool(within)  # not NumPy's own, without the JIT
-        if not math.isfinite(remaining):  # squeezed against something: no nearer, no farther
-            remaining = self._remaining
-        progress, self._remaining = self._remaining - remaining, remaining
-        self._stayed = self._stayed + 1 if inside else 0
-        if self.declares:
-            return Outcome(progress, inside, declared and inside, declared and not inside)
-        return Outcome(progress, inside, self._stayed >= self._steps_to_stay, False)
+    @abstractmethod
+    def verdict(self, moment: Moment) -> Verdict:
+        """Judge a step, and return its reward."""
 
     @property
-    def remaining(self) -> float:
-        """Geodesic distance to the goal after the last step, m."""
-        return self._remaining
+    def remaining(self) -> float | None:
+        """Geodesic distance to the goal after the last step, m; None without a goal."""
+        return None
 
-    def _check_goal(self, goal: str) -> None:
-        for known in (self.world.types, self._types):
-            if goal not in known:
-                raise ConfigError(f"world {self.world.name!r}: {unknown('goal', goal, set(known) & set(self._types))}")
+    @property
+    def figures(self) -> Mapping[str, float | None]:
+        """Metrics of its own after the last step, by name."""
+        return {}
 
-    def _field_of(self, goal: str) -> Field:
-        return self.geodesic.field(i for i, region in enumerate(self.world.regions) if region.type == goal)
-
-    def _any_mission(self, rng: np.random.Generator, start: Sequence[float] | None) -> GoToMission:
-        """Draw a goal among those that can be reached from somewhere far enough."""
-        reasons = []
-        for k in rng.permutation(len(self.goals)):
-            try:
-                return self._mission(rng, self.goals[k], start)
-            except ConfigError as error:
-                reasons.append(str(error))
-        raise ConfigError(reasons[0] if reasons else f"world {self.world.name!r} has no region that can be a goal")
-
-    def _mission(self, rng: np.random.Generator, goal: str, start: Sequence[float] | None) -> GoToMission:
-        field = self._field_of(goal)
-        if start is None:
-            try:
-                x, y = self.geodesic.sample_free(rng, field, at_least=self.start_distance)
-            except WorldError as error:
-                raise ConfigError(self._no_start(goal, field)) from error
-            theta = float(rng.uniform(-math.pi, math.pi))
-        else:
-            x, y, theta = self._checked(start)
-        shortest = field.at(x, y)
-        if not math.isfinite(shortest):
-            raise ConfigError(f"world {self.world.name!r}: no way from ({x:.2f}, {y:.2f}) to any {goal!r}")
-        return GoToMission(goal, (x, y, theta), shortest)
-
-    def _no_start(self, goal: str, field: Field) -> str:
-        reach = field.roots.value[np.isfinite(field.roots.value)]
-        prefix = f"world {self.world.name!r}: "
-        if not len(reach):
-            return f"{prefix}no {goal!r} can be reached by the robot"
-        return (
-            f"{prefix}no free place is {self.start_distance:g} m or more from every {goal!r}: "
-            f"the farthest is {reach.max():.1f} m away"
-        )
-
-    def _checked(self, start: Sequence[float]) -> tuple[float, float, float]:
+    def checked(self, start: Sequence[float], standing: bool) -> Pose:
+        """Return a start as a pose, or refuse it."""
         values = np.asarray(start, dtype=np.float64).tolist()
         if not isinstance(values, list) or len(values) != 3 or not all(map(math.isfinite, values)):
             raise ConfigError(f"start is {start!r}, expected a pose (x, y, theta) in m, m, rad")
         x, y, theta = values
-        if not self.geodesic.free(x, y):
+        if not standing and not self.geodesic.free(x, y):
             radius = self.geodesic.radius
             raise ConfigError(
                 f"world {self.world.name!r}: start ({x:g}, {y:g}) is not free for a robot of {radius:g} m radius"
@@ -206,14 +176,11 @@ class GoToTask:
         return x, y, theta
 
 
-@njit
-def judge(field: Any, x: float, y: float) -> Any:
-    """Return the distance from a point to the goal, and whether it is inside one of the goal's rectangles.
-
-    `field` holds the parts of `Roots`, and those of its grid, as plain tuples: Numba unpacks them ten times faster.
-    """
-    roots = Roots(Grid(*field[0]), *field[1:])
-    inside = False
-    for g in range(len(roots.goals)):
-        inside = inside or foot(roots.goals[g], x, y)[2] == 0
-    return 0.0 if inside else query(roots, x, y)[0], inside
+def distance_from(field: Field, start: Pose, standing: bool) -> float:
+    """Return the distance from a start, m: from beside it where a standing robot is squeezed against something."""
+    x, y, _ = start
+    here = field.at(x, y)
+    if math.isfinite(here) or not standing:
+        return here
+    turns = np.linspace(0, 2 * math.pi, 8, endpoint=False).tolist()
+    return min(field.at(x + CONTACT * math.cos(turn), y + CONTACT * math.sin(turn)) for turn in turns)

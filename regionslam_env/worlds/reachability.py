@@ -21,8 +21,13 @@ def unreachable(world: World, radius: float = 0.2) -> tuple[str, ...]:
     radius
         Radius of the disc, m.
     """
-    geodesic = Geodesic(world, radius)
-    rooms = [i for i, region in enumerate(world.regions) if region.parent is None]
+    home = set(largest_part(Geodesic(world, radius)))
+    return tuple(r.id for i, r in enumerate(world.regions) if r.parent is None and i not in home)
+
+
+def largest_part(geodesic: Geodesic) -> tuple[int, ...]:
+    """Return the indices of the regions, without furniture, of the largest connected part of the floor."""
+    rooms = [i for i, region in enumerate(geodesic.world.regions) if region.parent is None]
     floors = {i: geodesic.floor([i]) for i in rooms}
     parts = []
     rest = {i for i in rooms if floors[i].any()}
@@ -32,8 +37,7 @@ def unreachable(world: World, radius: float = 0.2) -> tuple[str, ...]:
         members = {i for i in rest if (floors[i] & reached).any()} | {start}
         parts.append((np.count_nonzero(reached), members))
         rest -= members
-    home = max(parts, key=lambda part: part[0])[1] if parts else set()
-    return tuple(world.regions[i].id for i in rooms if i not in home)
+    return tuple(sorted(max(parts, key=lambda part: part[0])[1])) if parts else ()
 
 
 def cut_off(world: World, radius: float = 0.2) -> tuple[str, ...]:

@@ -67,3 +67,9 @@ def test_rooms_leave_out_doors_and_furniture() -> None:
         Room("hallway", Row.from_parameters(0, 0, 9, 2)),
     ]
     assert [r.type for r in view((0, 0, 0), rooms, "office").rooms] == ["hallway", "office"]
+
+
+def test_without_a_goal_no_region_is_wanted() -> None:
+    aimless = view((0, 0, 0), [Room(SEMANTIC_TYPES[0], Row.from_parameters(0, 0, 2, 2), contains_me=0.9)], "")
+    assert aimless.goal is None and aimless.goal_regions() == ()
+    assert [region.goal_p for region in aimless.regions] == [0.0]

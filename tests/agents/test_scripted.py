@@ -96,6 +96,22 @@ def test_passes_a_door_into_the_room_it_looks_for() -> None:
     assert action[2] > 0 and pose[0] > 0.4
 
 
+@pytest.mark.parametrize("components", [2, 3])
+def test_explores_until_nothing_is_left_to_be_seen(components: int) -> None:
+    walls = np.array([*box(-6, -3, 6, 3), (0, -3, 0, -0.45), (0, 0.45, 0, 3)], float)
+    office = Room("office", Row.from_parameters(-3, 0, 6, 6), visited=True, contains_me=1.0)
+    kitchen = Row.from_parameters(3, 0, 6, 6)
+    scripted, pose, entered = agent(components), np.array([-4.0, -2.0, 2.0]), False
+    for _ in range(FIRST_LOOK + 600):
+        entered = entered or bool(kitchen.contains(pose[None, :2])[0])
+        rooms = [office, Room("kitchen", kitchen, visited=True)] if entered else [office]
+        action = scripted.act(observe(tuple(pose), rooms, "", scan(pose, walls)))
+        if components == 3 and action[2] > 0:
+            break
+        pose = move(pose, action.astype(float))
+    assert entered and scripted.say() == ("done exploring" if components == 3 else "looking around")
+
+
 def test_same_observations_same_actions() -> None:
     one, two = agent(), agent()
     two.act(observe((5, 5, 1), [], "office"))
@@ -145,3 +161,17 @@ def test_succeeds_in_the_institute(goal: str) -> None:
             ended = terminated or truncated
         assert info["success"] and not info["false_arrival"]
         assert info["collisions"] == 0
+
+
+@pytest.mark.slow
+def test_maps_the_institute() -> None:
+    env = gymnasium.make("RegionSLAM/Explore-v0")
+    base = env.unwrapped
+    observation, _ = env.reset(seed=0)
+    scripted = ScriptedAgent(base.observation_space, base.action_space, base.semantic_types, base.robot)
+    ended, total = False, 0.0
+    while not ended:
+        observation, reward, terminated, truncated, info = env.step(scripted.act(observation))
+        ended, total = terminated or truncated, total + reward
+    assert info["success"] and info["explored"] >= 0.9 and info["collisions"] == 0
+    assert 20 < total < 40

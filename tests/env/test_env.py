@@ -1,3 +1,4 @@
+import dataclasses
 import inspect
 import pickle
 import re
@@ -16,7 +17,9 @@ from regionslam_env.config import SEMANTIC_TYPES
 from regionslam_env.env import SemanticNavigationEnv
 from regionslam_env.observations import RegionColumn, region_table
 from regionslam_env.registration import ENVIRONMENTS
+from regionslam_env.tasks.kinds import TASKS
 from regionslam_env.tasks.metrics import METRICS
+from regionslam_env.tasks.rewards import ExploreRewardConfig, RewardConfig
 from regionslam_env.worlds.format import save_world
 from tests.floors import two_rooms
 
@@ -55,6 +58,16 @@ def rollout(env, n, action_seed=0):
     return [env.step(action) for action in actions(env, n, action_seed)]
 
 
+def whole(env, n):
+    """Step on until the episode ends, at most n times, and return everything that came back."""
+    results = []
+    for action in actions(env, n):
+        results.append(env.step(action))
+        if results[-1][2] or results[-1][3]:
+            break
+    return results
+
+
 def equal(a, b):
     """Whether two results are bit-identical, whatever they are made of."""
     if isinstance(a, dict):
@@ -91,6 +104,21 @@ def test_stable_baselines_has_nothing_to_complain_about(env_id, floor):
 def test_the_spec_is_plain_data(env_id, floor):
     spec = gymnasium.make(env_id, world=floor, noise={"lidar_sigma": 0.1}).spec
     assert gymnasium.envs.registration.EnvSpec.from_json(spec.to_json()).kwargs == spec.kwargs
+
+
+@pytest.mark.parametrize("env_id", IDS)
+def test_an_id_is_what_its_entry_says_and_comes_back_from_json_as_it_was(env_id, floor):
+    env = gymnasium.make(env_id, world=floor, max_steps=50)
+    copy = gymnasium.make(gymnasium.envs.registration.EnvSpec.from_json(env.spec.to_json()))
+    told = {**ENVIRONMENTS[env_id], "max_steps": 50}
+    assert isinstance(env.unwrapped.task, TASKS[told.pop("task", "goto")])
+    assert all(getattr(env.unwrapped, name) == value for name, value in told.items())
+    assert equal(env.reset(seed=3), copy.reset(seed=3))
+    other = pickle.loads(pickle.dumps(env.unwrapped))
+    results = whole(env, 50)
+    assert len(results) > 10 and equal(results, whole(copy, 50)) and equal(results, whole(other, 50))
+    metrics = [results[-1][4][name] for name in METRICS]
+    assert all(value is None or np.isfinite(value) for value in metrics)
 
 
 @pytest.mark.parametrize("localization", ["slam", "oracle", "odometry"])
@@ -203,10 +231,16 @@ def test_truth_is_hidden_unless_it_is_asked_for(env):
     assert "truth" in revealing.reset(seed=0)[1] and "truth" in revealing.step(np.zeros(2))[4]
 
 
-def test_the_reward_is_the_sum_of_its_terms(env):
+@pytest.mark.parametrize("env_id", IDS)
+def test_the_reward_is_the_sum_of_its_terms(env_id, floor):
+    env = gymnasium.make(env_id, world=floor).unwrapped
     env.reset(seed=2)
-    for _, reward, *_, info in rollout(env, 20):
-        assert reward == sum(info["reward_terms"].values())
+    results = whole(env, 20)
+    for _, reward, *_, info in results:
+        terms = info["reward_terms"]
+        assert type(reward) is float and reward == sum(terms.values()) and any(terms.values())
+        assert all(type(term) is float and hasattr(env.reward, name) for name, term in terms.items())
+    assert all(a[4]["reward_terms"] is not b[4]["reward_terms"] for a, b in pairwise(results))
 
 
 def test_metrics_come_with_the_last_info_only():
@@ -291,6 +325,10 @@ def test_types_outside_the_vocabulary_are_observed_as_other():
     [
         ({"world": "institut"}, "did you mean 'institute'"),
         ({"localization": "orakle"}, "did you mean 'oracle'"),
+        ({"task": "explor"}, "did you mean 'explore'"),
+        ({"task": "explore", "goal": "kitchen"}, "goal is 'kitchen', expected none"),
+        ({"task": "explore", "map_share": 0}, "map_share is 0"),
+        ({"task": "explore", "reward": {"edgs": 1}}, "did you mean 'edges'"),
         ({"arrival": "declares"}, "did you mean 'declare'"),
         ({"split": "tests"}, "did you mean 'test'"),
         ({"goal": "kitchn"}, "did you mean 'kitchen'"),
@@ -346,9 +384,10 @@ def test_the_page_tells_every_argument_and_reward():
     for name, default in told.items():
         assert eval(default.strip("`"), {"SEMANTIC_TYPES": SEMANTIC_TYPES}) == true[name], name
     rewards = page[page.index("## Rewards") : page.index("## Starting")]
-    weights = {k: float(v) for k, v in re.findall(r"^\s*\| (\w+) \| (-?[\d.]+)", rewards, re.MULTILINE)}
-    env = make()
-    assert weights == {name: getattr(env.reward, name) for name in weights} and len(weights) == 5
+    parts = rewards.split('With `task="explore"`')
+    for part, weights in zip(parts, (RewardConfig(), ExploreRewardConfig()), strict=True):
+        told = {k: float(v) for k, v in re.findall(r"^\s*\| (\w+) \| (-?[\d.]+)", part, re.MULTILINE)}
+        assert told == dataclasses.asdict(weights)
 
 
 @compiled_only

@@ -139,3 +139,14 @@ def test_normalised_square_is_the_inverse_by_hand():
         assert normalised_square(*e, cov) == pytest.approx(e @ np.linalg.inv(cov) @ e)
     assert normalised_square(1.0, 1.0, 1.0, -np.eye(3)) == -1
     assert normalised_square(1.0, 1.0, 1.0, np.ones((3, 3))) == -1
+
+
+@pytest.mark.parametrize("success", [True, False])
+def test_without_a_goal_nothing_is_said_of_its_distance(success):
+    facts = replace(FACTS, success=success, believed=None, shortest=None, remaining=None, declared=True)
+    metrics = episode_metrics(facts, PoseErrors(), MAP | {"explored": 0.5, "closed_edges": 0.25})
+    assert set(metrics) == set(METRICS)
+    empty = ("spl", "soft_spl", "distance_to_goal", "belief_success", "belief_spl")
+    assert all(metrics[name] is None for name in empty)
+    assert metrics["success"] is success and metrics["false_arrival"] is not success
+    assert (metrics["explored"], metrics["closed_edges"]) == (0.5, 0.25)

@@ -2,7 +2,15 @@ import dataclasses
 
 import pytest
 
-from regionslam_env.tasks.rewards import REWARD_SETS, RewardConfig, goto_reward, reward_set
+from regionslam_env.tasks.rewards import (
+    EXPLORE_REWARD_SETS,
+    REWARD_SETS,
+    ExploreRewardConfig,
+    RewardConfig,
+    explore_reward,
+    goto_reward,
+    reward_set,
+)
 
 QUIET = {"progress": 0.0, "success": False, "collided": False, "false_arrival": False}
 
@@ -43,12 +51,38 @@ def test_sparse_reward_is_the_success_alone():
 
 
 def test_weights_by_name_dictionary_or_object():
-    assert reward_set("standard") == reward_set(None) == reward_set({}) == RewardConfig()
-    assert reward_set({"time": -0.5}) == RewardConfig(time=-0.5)
-    assert reward_set(RewardConfig(success=3.0)).success == 3.0
+    assert (
+        reward_set("standard", REWARD_SETS)
+        == reward_set(None, REWARD_SETS)
+        == reward_set({}, REWARD_SETS)
+        == RewardConfig()
+    )
+    assert reward_set({"time": -0.5}, REWARD_SETS) == RewardConfig(time=-0.5)
+    assert reward_set(RewardConfig(success=3.0), REWARD_SETS).success == 3.0
 
 
 @pytest.mark.parametrize(("given", "near"), [("sparce", "sparse"), ({"colision": -1}, "collision")])
 def test_unknown_names_tell_the_nearest(given, near):
     with pytest.raises(ValueError, match=f"did you mean '{near}'"):
-        reward_set(given)
+        reward_set(given, REWARD_SETS)
+
+
+def exploring(weights=ExploreRewardConfig(), **happened):  # noqa: B008 - frozen
+    quiet = {"recall": 0.0, "edges": 0.0, "success": False, "collided": False, "false_arrival": False}
+    return explore_reward(weights, **(quiet | happened))
+
+
+def test_every_weight_of_exploring_is_a_term_with_its_sign():
+    assert set(exploring()) == {field.name for field in dataclasses.fields(ExploreRewardConfig)}
+    assert exploring(recall=0.1)["recall"] == -exploring(recall=-0.1)["recall"] == pytest.approx(2.0)
+    assert exploring(edges=0.1)["edges"] == -exploring(edges=-0.1)["edges"] == pytest.approx(1.0)
+    assert exploring(success=True)["success"] > 0 and exploring()["success"] == 0
+    assert exploring(collided=True)["collision"] < 0 and exploring()["collision"] == 0
+    assert exploring(false_arrival=True)["false_arrival"] < 0 and exploring()["false_arrival"] == 0
+    assert sum(exploring(EXPLORE_REWARD_SETS["sparse"], recall=0.5, edges=0.5, success=True).values()) == 1
+
+
+def test_weights_belong_to_their_task():
+    assert reward_set({"edges": 2}, EXPLORE_REWARD_SETS) == ExploreRewardConfig(edges=2.0)
+    with pytest.raises(ValueError, match="unknown key of reward 'progress'"):
+        reward_set({"progress": 2}, EXPLORE_REWARD_SETS)

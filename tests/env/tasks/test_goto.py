@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from regionslam_env.config import SEMANTIC_TYPES
-from regionslam_env.tasks.task import GoToTask
+from regionslam_env.tasks.goto import GoToTask
+from regionslam_env.tasks.task import TaskSettings
 from regionslam_env.worlds.geodesic import Geodesic
 from regionslam_env.worlds.world import Door, Link, Region, World
 from slam.rows import Row
@@ -39,8 +40,8 @@ def geodesic(world):
 
 @pytest.fixture
 def make(world, geodesic):
-    def build(**kwargs):
-        return GoToTask(world, geodesic, SEMANTIC_TYPES, 0.1, **kwargs)
+    def build(goal=None, **settings):
+        return GoToTask(world, geodesic, TaskSettings(SEMANTIC_TYPES, **settings), goal)
 
     return build
 
@@ -113,7 +114,7 @@ def test_a_start_in_the_goal_by_hand(make):
 
 def test_an_unreachable_goal_is_never_drawn_and_raises_by_hand():
     world = two_rooms(open_door=False)
-    task = GoToTask(world, Geodesic(world, ROBOT), SEMANTIC_TYPES, 0.1)
+    task = GoToTask(world, Geodesic(world, ROBOT), TaskSettings(SEMANTIC_TYPES))
     with pytest.raises(ValueError, match=r"no way from .* to any 'kitchen'"):
         task.draw(rng(), "kitchen", (-2.0, 0.0, 0.0))
     with pytest.raises(ValueError, match="no free place is 2 m or more from every"):
@@ -154,4 +155,4 @@ def test_no_place_far_enough_tells_how_far_the_farthest_is(make):
 
 def test_a_goal_outside_the_vocabulary_is_refused(world, geodesic):
     with pytest.raises(ValueError, match="unknown goal 'kitchen'"):
-        GoToTask(world, geodesic, ("office", "other"), 0.1, goal="kitchen")
+        GoToTask(world, geodesic, TaskSettings(("office", "other")), goal="kitchen")
