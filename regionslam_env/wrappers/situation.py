@@ -62,9 +62,10 @@ class Situation:
         belief, observation = self.belief, self.observation
         x, y, heading = belief.pose_mean.tolist()
         speed, turn_rate = observation["velocity"].tolist()
-        elapsed, done = observation["progress"].tolist()
+        elapsed, declared = observation["progress"].tolist()
+        end = ", arrival declared" if declared else ""
         yield f"Mission: {self.mission}."
-        yield f"Progress: {round(elapsed * self.max_steps)} of {self.max_steps} steps, {100 * done:.0f} % done."
+        yield f"Progress: {round(elapsed * self.max_steps)} of {self.max_steps} steps{end}."
         yield f"Place: {belief.map.describe(belief.pose_mean, probabilities=belief.where())}"
         yield f"Certainty: {certainty(belief)}"
         yield f"Pose: {_place(x, y)} from the start, where I looked ahead; I have turned {bearing(heading)} since."

@@ -27,7 +27,8 @@ def lines(built, scan=None, done=0.0):
 def test_it_tells_mission_progress_pose_and_motion():
     told = lines(Believed(TYPES, pose=(2.0, -1.0, math.pi / 2)))
     assert told[0] == "Mission: go to the kitchen."
-    assert told[1] == "Progress: 250 of 1000 steps, 0 % done."
+    assert told[1] == "Progress: 250 of 1000 steps."
+    assert lines(Believed(TYPES), done=1.0)[1] == "Progress: 250 of 1000 steps, arrival declared."
     assert "2.0 m ahead and 1.0 m right from the start" in told[4] and "turned 90 degrees left" in told[4]
     assert told[5] == "Motion: 0.5 m/s forward, turning left at 20 degrees per second."
     assert told[-1] == "Known regions: none yet."
