@@ -50,7 +50,7 @@ def find_near(particles: Array, maps: Record, measured: Array, level: int, senso
 
 @lean
 def uncertainty(particle: Record) -> float:
-    """Return five standard deviations of a particle's position since its last draw, m."""
+    """Return five standard deviations of a particle's position, m."""
     return 5.0 * np.sqrt(particle.cov[0, 0] + particle.cov[1, 1])
 
 

@@ -29,8 +29,8 @@ PARTICLE = np.dtype(
     (
         np.record,
         [
-            ("pose", np.float64, (3,)),  # mean since the last draw; the drawn pose itself right after an update
-            ("cov", np.float64, (3, 3)),  # of the motion since the last draw
+            ("pose", np.float64, (3,)),  # mean; what is drawn moves it
+            ("cov", np.float64, (3, 3)),  # of what was not drawn yet, and of the motion since
             ("expected", np.float64, (3,)),  # of the last proposal, what the belief reports
             ("spread", np.float64, (3, 3)),  # covariance of the last proposal
             ("log_weight", np.float64),

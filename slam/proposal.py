@@ -1,8 +1,9 @@
 """Motion, and the pose proposal of FastSLAM 2.0 (Montemerlo et al. 2003).
 
-Between two scans a particle keeps the motion as a Gaussian. The scan's associated measurements condition it; the pose
-is then *drawn* from the result. In edge form the innovation is linear in the pose, so the proposal is exact for given
-regions, and the product of the innovations' densities is the particle's importance weight: p(z_t | x^{t-1}, z^{t-1}).
+Between two scans a particle keeps the motion as a Gaussian. The scan's associated measurements condition it; a share of
+the result is then *drawn*, the rest stays Gaussian. In edge form the innovation is linear in the pose, so the proposal
+is exact for given regions, and the product of the innovations' densities is the particle's importance weight,
+p(z_t | x^{t-1}, z^{t-1}).
 """
 
 from __future__ import annotations

@@ -65,9 +65,7 @@ class MissionSource:
             Where the goal cannot be reached, the start is not free, no place is far enough from the goal, or the world
             has no number.
         """
-        goal = self._goal if goal is None else goal
-        if goal is not None:
-            self._check(goal)
+        goal = self._checked(goal)
         if self._worlds.kind is None:
             if number is not None:
                 name = self.task.world.name
@@ -100,11 +98,16 @@ class MissionSource:
         if number != self._number and number is not None:
             here = self._number if self._number is not None else repr(self.task.world.name)
             raise ConfigError(f"world_seed is {number!r}, expected that of the map to keep: {here}")
+        goal = self._checked(goal)
+        standing = start is None
+        return self.task.draw(rng, goal, pose if standing else start, standing=standing), self._number
+
+    def _checked(self, goal: str | None) -> str | None:
+        """Return the goal to look for, the one of all missions where none is given."""
         goal = self._goal if goal is None else goal
         if goal is not None:
             self._check(goal)
-        standing = start is None
-        return self.task.draw(rng, goal, pose if standing else start, standing=standing), self._number
+        return goal
 
     def _enter(
         self, number: int, rng: np.random.Generator, goal: str | None, start: Sequence[float] | None
