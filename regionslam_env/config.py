@@ -1,4 +1,4 @@
-"""Settings of robot, sensors and noise: frozen dataclasses of plain data, SI units, angles in radians.
+"""Settings of robot, sensors, noise and what moves: frozen dataclasses of plain data, SI units, angles in radians.
 
 Every one of them can be built from a dictionary with `from_dict`, which names the nearest known key for an unknown one.
 """
@@ -63,6 +63,8 @@ class RobotConfig:
         Of each wheel, m/s²: of the robot where it drives straight on.
     wheel_base
         Distance of the wheels, m.
+    mass
+        In kg; matters where the robot pushes furniture.
     step
         Duration of one environment step, s.
     substeps
@@ -74,12 +76,14 @@ class RobotConfig:
     max_turn_rate: float = 2.0
     max_acceleration: float = 2.0
     wheel_base: float = 0.3
+    mass: float = 20.0
     step: float = 0.1
     substeps: int = 10
 
     def __post_init__(self) -> None:
-        for name in ("radius", "max_speed", "max_turn_rate", "max_acceleration", "wheel_base", "step", "substeps"):
+        for name in ("radius", "max_speed", "max_turn_rate", "max_acceleration", "wheel_base", "mass", "step"):
             _positive(self, name)
+        _positive(self, "substeps")
         _whole(self, "substeps")
 
 
@@ -195,6 +199,66 @@ def noise_set(noise: str | Mapping[str, Any] | NoiseConfig) -> NoiseConfig:
     return from_dict(NoiseConfig, noise, "noise")
 
 
+@dataclass(frozen=True)
+class DynamicsConfig:
+    """What moves in a world beside the robot; by default nothing does.
+
+    Parameters
+    ----------
+    people
+        How many walk about; fewer where there is no free place for so many.
+    walking_speed
+        Of a person, m/s.
+    person_radius
+        Of a person, m.
+    closing_doors
+        Share of the doors that close and open again.
+    time_open, time_closed
+        How long such a door stays open and closed on average, s.
+    movable_furniture
+        Share of the furniture that can be pushed.
+    furniture_mass
+        Of a piece of furniture, kg: a robot that pushes one of its own mass goes on at half its speed.
+    """
+
+    people: int = 0
+    walking_speed: float = 0.8
+    person_radius: float = 0.25
+    closing_doors: float = 0.0
+    time_open: float = 20.0
+    time_closed: float = 8.0
+    movable_furniture: float = 0.0
+    furniture_mass: float = 10.0
+
+    def __post_init__(self) -> None:
+        _not_negative(self, "people")
+        _whole(self, "people")
+        for name in ("walking_speed", "person_radius", "time_open", "time_closed", "furniture_mass"):
+            _positive(self, name)
+        for name in ("closing_doors", "movable_furniture"):
+            _probability(self, name)
+
+    @property
+    def still(self) -> bool:
+        """Whether nothing moves at all."""
+        return not (self.people or self.closing_doors or self.movable_furniture)
+
+
+def dynamics_set(dynamics: str | Mapping[str, Any] | DynamicsConfig | None) -> DynamicsConfig:
+    """Return the dynamics of that name, those given, or none at all with some values changed.
+
+    Raises
+    ------
+    ConfigError
+        For an unknown name or key, with the nearest known ones.
+    """
+    if isinstance(dynamics, str):
+        if dynamics not in DYNAMICS_SETS:
+            raise ConfigError(unknown("dynamics", dynamics, DYNAMICS_SETS))
+        return DYNAMICS_SETS[dynamics]
+    return from_dict(DynamicsConfig, dynamics, "dynamics")
+
+
 def from_dict(config: type[C], values: Mapping[str, Any] | C | None, where: str) -> C:
     """Build a configuration from a dictionary (nested where the configuration is), one given, or None for the default.
 
@@ -285,3 +349,12 @@ NOISE_SETS: Mapping[str, NoiseConfig] = {
     "none": NoiseConfig(lidar_sigma=0.0, simulated_factor=0.0, odometry_factor=0.0),
 }
 """Noise sets by name. `none` simulates no noise at all and tells the filter the standard one."""
+
+DYNAMICS_SETS: Mapping[str, DynamicsConfig] = {
+    "none": DynamicsConfig(),
+    "people": DynamicsConfig(people=8),
+    "doors": DynamicsConfig(closing_doors=0.5),
+    "furniture": DynamicsConfig(movable_furniture=1.0),
+    "all": DynamicsConfig(people=8, closing_doors=0.5, movable_furniture=1.0),
+}
+"""Dynamics by name."""

@@ -3,11 +3,14 @@ import math
 import pytest
 
 from regionslam_env.config import (
+    DYNAMICS_SETS,
     NOISE_SETS,
     SEMANTIC_TYPES,
+    DynamicsConfig,
     NoiseConfig,
     RobotConfig,
     SensorConfig,
+    dynamics_set,
     from_dict,
     noise_set,
 )
@@ -79,3 +82,27 @@ def test_an_unknown_noise_set_names_the_nearest():
 def test_types_end_with_other():
     assert SEMANTIC_TYPES[-1] == "other"
     assert len(set(SEMANTIC_TYPES)) == len(SEMANTIC_TYPES)
+
+
+def test_nothing_moves_by_default():
+    assert dynamics_set(None) == dynamics_set("none") == dynamics_set({}) == DynamicsConfig()
+    assert [name for name, dynamics in DYNAMICS_SETS.items() if dynamics.still] == ["none"]
+    assert dynamics_set({"people": 3}) == DynamicsConfig(people=3)
+
+
+@pytest.mark.parametrize(
+    ("dynamics", "message"),
+    [
+        ("peple", "unknown dynamics 'peple': did you mean 'people'"),
+        ({"persons": 1}, "unknown key of dynamics 'persons'"),
+        ({"people": -1}, "people is -1, expected a number of at least 0"),
+        ({"people": 1.5}, "dynamics.people is 1.5, expected a whole number"),
+        ({"closing_doors": 1.5}, r"closing_doors is 1.5, expected a probability in \[0, 1\]"),
+        ({"time_closed": 0}, "time_closed is 0.0, expected a number above 0"),
+        ({"furniture_mass": math.inf}, "dynamics.furniture_mass is inf, expected a finite number"),
+        (3, "dynamics is 3, expected a dictionary or DynamicsConfig"),
+    ],
+)
+def test_bad_dynamics_are_refused(dynamics, message):
+    with pytest.raises(ConfigError, match=message):
+        dynamics_set(dynamics)

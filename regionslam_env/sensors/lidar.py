@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from regionslam_env.config import NoiseConfig, SensorConfig
 from regionslam_env.geometry import NearbyIndex, cast, ray_angles, ray_directions, segment_boxes
+from regionslam_env.simulation.movers import Movers
 from regionslam_env.worlds.world import WorldArrays
 from slam.jit import njit
 
@@ -14,7 +15,7 @@ Floats = NDArray[np.float64]
 
 
 class Lidar:
-    """Casts rays against walls and obstacles, with noise on what they hit.
+    """Casts rays against walls and obstacles, and what moves among them, with noise on what they hit.
 
     Parameters
     ----------
@@ -23,9 +24,11 @@ class Lidar:
     noise
         Standard deviation of a ray.
     arrays
-        Of the world.
+        Of the world, without what moves.
     rng
         The sensor's own generator.
+    movers
+        What moves.
 
     Attributes
     ----------
@@ -33,13 +36,23 @@ class Lidar:
         Of the rays in the robot's frame, ascending from -pi (straight back), rad.
     """
 
-    def __init__(self, config: SensorConfig, noise: NoiseConfig, arrays: WorldArrays, rng: np.random.Generator) -> None:
+    def __init__(
+        self,
+        config: SensorConfig,
+        noise: NoiseConfig,
+        arrays: WorldArrays,
+        rng: np.random.Generator,
+        movers: Movers | None = None,
+    ) -> None:
         self._range, self._sigma, self._rng = config.lidar_range, noise.lidar_sigma, rng
         self.angles = ray_angles(config.n_lidar_rays)
         self._normals = np.zeros(config.n_lidar_rays)
         self._directions = ray_directions(config.n_lidar_rays)
         self._segments = np.concatenate([arrays.walls, arrays.obstacles])
         self._nearby = NearbyIndex(segment_boxes(self._segments), self._range)
+        self._movers, self._fixed = movers, len(self._segments)
+        if movers is not None:
+            self._segments = np.concatenate([self._segments, movers.segments])
 
     def reset(self, rng: np.random.Generator) -> None:
         """Start a new episode with a generator of its own."""
@@ -58,12 +71,20 @@ class Lidar:
             self._range,
             self._directions,
             self._segments,
-            self._nearby.near(x, y),
+            self._near(x, y),
             self._normals,
             self._sigma,
             ranges,
         )
         return ranges
+
+    def _near(self, x: float, y: float) -> NDArray[np.int64]:
+        """Return the indices of the segments that may be within reach, after a look at what has moved."""
+        nearby, movers = self._nearby.near(x, y), self._movers
+        if movers is None:
+            return nearby
+        self._segments[self._fixed :] = movers.segments
+        return np.concatenate((nearby, self._fixed + movers.present))
 
 
 @njit

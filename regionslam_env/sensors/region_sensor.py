@@ -17,6 +17,7 @@ from regionslam_env.geometry import NearbyIndex, cast, ray_angles, ray_direction
 from regionslam_env.sensors.distortion import distort
 from regionslam_env.sensors.partial_row import DRAWS, cut_row, turn_part, visible_run, write_part
 from regionslam_env.sensors.sight import SIGHT, look, turn_rays
+from regionslam_env.simulation.movers import Movers
 from regionslam_env.worlds.world import WorldArrays
 from slam.jit import njit
 from slam.measurement import LINK, MEASUREMENT, Scan
@@ -48,6 +49,8 @@ class RegionSensor:
         Of the world.
     rng
         The sensor's own generator.
+    movers
+        What moves: closed doors hide regions as walls do, and furniture is measured where it stands now.
 
     Attributes
     ----------
@@ -57,11 +60,22 @@ class RegionSensor:
         Where the measurements of the last scan come from, an array of `SOURCE`; for metrics alone.
     """
 
-    def __init__(self, config: SensorConfig, noise: NoiseConfig, arrays: WorldArrays, rng: np.random.Generator) -> None:
-        self._noise, self._confidence = noise, config.confidence
+    def __init__(
+        self,
+        config: SensorConfig,
+        noise: NoiseConfig,
+        arrays: WorldArrays,
+        rng: np.random.Generator,
+        movers: Movers | None = None,
+    ) -> None:
+        self._noise, self._confidence, self._movers = noise, config.confidence, movers
         self._rows, self._types = np.asarray(arrays.rows).view(np.ndarray), arrays.types
         self._walls = arrays.walls if config.occlusion else np.zeros((0, 4))
         self._near_walls = NearbyIndex(segment_boxes(self._walls), config.range)
+        self._fixed_walls, self._occlusion = len(self._walls), config.occlusion
+        if movers is not None:
+            self._rows = _frozen(self._rows.copy())
+            self._walls = _frozen(np.concatenate([self._walls, movers.doors.segments]))
         self._near_rows = NearbyIndex(_circle_boxes(self._rows), config.range)
         starts, neighbours = _adjacency(arrays.links, len(self._rows))
         self._most_links = int(np.diff(starts).max(initial=0))
@@ -109,7 +123,7 @@ class RegionSensor:
     def measure(self, pose: NDArray[np.float64]) -> Scan:
         """Return what is seen from a true pose x (m), y (m), theta (rad), shape (3,)."""
         x, y, theta = pose.tolist()
-        near_walls, nearby = self._near_walls.near(x, y), self._near_rows.near(x, y)
+        near_walls, nearby = self._near(x, y)
         view = np.empty((self._n_rays, 2))
         records = np.empty(len(nearby), MEASUREMENT)
         links = np.empty(len(nearby) * self._most_links, LINK)
@@ -137,6 +151,20 @@ class RegionSensor:
         if noise.misclassification or noise.misses or noise.false_positives:
             scan, self._measured = distort(scan, noise, self._confidence, self._rng)
         return scan
+
+    def _near(self, x: float, y: float) -> tuple[Ints, Ints]:
+        """Return the indices of walls and regions that may be within range, after a look at what has moved."""
+        near_walls, nearby, movers = self._near_walls.near(x, y), self._near_rows.near(x, y), self._movers
+        if movers is None:
+            return near_walls, nearby
+        if self._occlusion:
+            near_walls = np.concatenate((near_walls, self._fixed_walls + np.flatnonzero(movers.doors.closed)))
+        if len(movers.regions):
+            self._rows.flags.writeable = True
+            self._rows[movers.regions] = movers.rows
+            _frozen(self._rows)
+            nearby = np.union1d(nearby, movers.regions)
+        return near_walls, nearby
 
     def _draw(self, measurements: int) -> None:
         """See to it that there are enough normal numbers for so many measurements."""
@@ -295,6 +323,12 @@ def write_links(
     for k in range(count):
         slots[sources[k].region] = -1
     return written
+
+
+def _frozen(array: NDArray[Any]) -> NDArray[Any]:
+    """Return an array that nobody can write to, as those of a world are: kernels compile once for either."""
+    array.flags.writeable = False
+    return array
 
 
 def _adjacency(pairs: Ints, count: int) -> tuple[Ints, Ints]:

@@ -22,7 +22,7 @@ from regionslam_env.simulation.robot import DifferentialDrive
 from regionslam_env.worlds.clearance import clearance_grid
 from regionslam_env.worlds.world import WALL_RADIUS, World
 
-_SLOP = 0.001  # depth that a contact leaves alone, m
+SLOP = 0.001  # depth that a contact leaves alone, m
 _HELD_BACK = 1e-6  # difference of the way driven and the way commanded that counts as a collision, m
 _FAR_AWAY = 1e6  # where the body forgets its contacts, m
 
@@ -148,7 +148,7 @@ def _build(world: World, radius: float, mass: float) -> tuple[pymunk.Space, pymu
     """Return a space without gravity that holds the world's walls and obstacles, and the robot's round body in it."""
     space = pymunk.Space()
     space.damping = 0.0
-    space.collision_slop = _SLOP
+    space.collision_slop = SLOP
     ground = space.static_body
     shapes: list[pymunk.Shape] = [
         pymunk.Segment(ground, (x0, y0), (x1, y1), WALL_RADIUS) for x0, y0, x1, y1 in world.walls.tolist()

@@ -117,6 +117,25 @@ class Geodesic:
             self._fields[indices] = self._field(indices)
         return self._fields[indices]
 
+    def route(self, start: tuple[float, float], end: tuple[float, float]) -> Floats | None:
+        """Return the shortest path between two points, with its corners and both ends, (k, 2); None where none is."""
+        straight = np.array([start, end], dtype=np.float64)
+        if rolls_straight(self.grid, *straight.ravel()):
+            return straight
+        points = self.corners.points
+        before = np.full(len(points), np.inf)
+        see_goals(self.grid, points, _point(start), before)
+        behind, towards = self._to_goals(_point(end))
+        total = before + behind
+        corner = int(np.argmin(total)) if len(total) else -1
+        if corner < 0 or not np.isfinite(total[corner]):
+            return None
+        path = [start]
+        while corner >= 0:
+            path.append((float(points[corner, 0]), float(points[corner, 1])))
+            corner = int(towards[corner])
+        return np.array([*path, end])
+
     def sample_free(
         self,
         rng: np.random.Generator,
@@ -179,11 +198,7 @@ class Geodesic:
     def _field(self, indices: tuple[int, ...]) -> Field:
         goals = _rectangles(self.world, indices)
         corners = self.corners
-        distance = np.full(len(corners.points), np.inf)
-        towards = np.full(len(corners.points), -1, dtype=np.int64)
-        see_goals(self.grid, corners.points, goals, distance)
-        n = len(corners.points)
-        relax_corners(corners, distance, towards, np.empty(n, np.int64), np.full(n, -1))
+        distance, towards = self._to_goals(goals)
         behind = np.argsort(towards, kind="stable")
         behind = behind[np.isfinite(distance[behind])]
         first = np.searchsorted(towards[behind], np.arange(-1, len(towards) + 1)).astype(np.int64)
@@ -192,6 +207,15 @@ class Geodesic:
         roots = Roots(self.grid, corners.points, distance, goals, first, behind, root, value)
         flood(roots, np.empty(nodes, np.int64), np.full(nodes, -1), np.full(nodes, -1), np.empty(256, np.int64))
         return Field(indices, roots, towards)
+
+    def _to_goals(self, goals: Floats) -> tuple[Floats, NDArray[np.int64]]:
+        """Return each corner's distance to the nearest of some rectangles (m), and its next corner on the way or -1."""
+        corners = self.corners
+        n = len(corners.points)
+        distance, towards = np.full(n, np.inf), np.full(n, -1, dtype=np.int64)
+        see_goals(self.grid, corners.points, goals, distance)
+        relax_corners(corners, distance, towards, np.empty(n, np.int64), np.full(n, -1))
+        return distance, towards
 
     @cached_property
     def _floor(self) -> NDArray[np.bool_]:
@@ -209,6 +233,11 @@ class Geodesic:
             nodes = np.stack([grid.x0 + i.ravel() * STEP, grid.y0 + j.ravel() * STEP], axis=1)
             mask[i0:i1, j0:j1] |= row.contains(nodes).reshape(i.shape)
         return mask
+
+
+def _point(place: tuple[float, float]) -> Floats:
+    """Return a point as a rectangle without extent, (1, 8)."""
+    return np.array([[place[0], place[1], 1.0, 0.0, 0.0, 0.0, 0.0, 0.0]])
 
 
 def _rectangles(world: World, indices: Iterable[int]) -> Floats:

@@ -201,3 +201,20 @@ def test_no_sample_is_an_error():
     geodesic = Geodesic(single_room(), 0.2)
     with pytest.raises(WorldError, match="no free place between 5 and inf m"):
         geodesic.sample_free(np.random.default_rng(0), geodesic.field(["office"]), at_least=5.0)
+
+
+def test_a_route_is_as_long_as_the_distance_to_a_spot():
+    world = bent_hallway()
+    geodesic, tiny = Geodesic(world, 0.2), Row.from_parameters(7, 4, 1e-3, 1e-3)
+    route = geodesic.route((0.5, 0.0), (7.0, 4.0))
+    field = Geodesic(World("spot", (Region("spot", "office", "", tiny),), world.walls), 0.2).field(["spot"])
+    assert np.hypot(*np.diff(route, axis=0).T).sum() == pytest.approx(field.at(0.5, 0.0), abs=2e-3)
+    assert route[0] == pytest.approx((0.5, 0)) and route[-1] == pytest.approx((7, 4))
+    for start, end in itertools.pairwise(route):
+        assert rolls_straight(geodesic.grid, *start, *end)
+
+
+def test_a_route_within_sight_is_straight_and_there_may_be_none():
+    geodesic = Geodesic(bent_hallway(), 0.2)
+    assert geodesic.route((0.5, 0.0), (5.0, 0.3)) == pytest.approx(np.array([(0.5, 0), (5, 0.3)]))
+    assert Geodesic(two_rooms(), 0.48).route((3, 2), (9, 2)) is None
