@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from regionslam_env.observations import RegionColumn, region_table
+from regionslam_env.observations import ProgressColumn, RegionColumn, region_table
 from slam.region import EDGE_NAMES
 from slam.rows import Floats, Row
 
@@ -99,6 +99,10 @@ class View:
         Standard deviation of the position along its worst direction, m.
     goal
         Wanted type; None where there is none.
+    returns
+        Whether it has to go back to the start.
+    completed
+        Share of the instructions that are done.
     types
         All semantic types.
     """
@@ -111,6 +115,9 @@ class View:
         self._goal = int(np.argmax(observation["goal"])) if np.any(observation["goal"]) else None
         self.goal = None if self._goal is None else types[self._goal]
         self.types = tuple(types)
+        progress = observation["progress"]
+        self.completed = float(progress[ProgressColumn.COMPLETED])
+        self.returns = bool(progress[ProgressColumn.RETURN])
         self._observation = observation
 
     @cached_property

@@ -94,7 +94,7 @@ def timed(repeat: Callable[[], object], repeats: int) -> tuple[np.ndarray, np.nd
 
 def _compute_fields(env: Any) -> None:
     """Reset once for every goal that an environment draws, so that its world keeps their distance fields."""
-    for goal in env.task.goals if env.task.goal is None else ():
+    for goal in env.task.goals if env.task.option == "goal" else ():
         with suppress(ConfigError):  # a goal that cannot be reached is never drawn
             env.reset(options={"goal": goal})
 

@@ -41,7 +41,7 @@ def main() -> None:
 
 @app.command()
 def run(
-    mission: Annotated[str, typer.Argument(help="In words, e.g. 'go to the hallway'.")],
+    mission: Annotated[str, typer.Argument(help="In words, e.g. 'go to the lab, then return'.")],
     world: WorldName = "institute",
     seed: Annotated[int, typer.Option(min=0, help="Seed of start, noise and filter.")] = 0,
     start_distance: Annotated[
@@ -205,10 +205,11 @@ def _verdict(summary: dict[str, Any]) -> str:
     if summary["success"]:
         verdict = "[bold green]Done[/bold green]"
     else:
-        reason = "arrival declared in the wrong place" if summary["false_arrival"] else "never arrived"
-        verdict = f"[bold red]Failed[/bold red] ({reason})"
+        reason = "declared done what was not" if summary["false_arrival"] else "out of time"
+        verdict = f"[bold red]Failed[/bold red] ({reason}, {summary['completed']:.0%} of the instructions done)"
+    spl = "" if summary["spl"] is None else f"SPL {summary['spl']:.2f}, "
     return (
-        f"{verdict}: {summary['path_length']:.1f} m in {summary['steps']} steps, SPL {summary['spl']:.2f}, "
+        f"{verdict}: {summary['path_length']:.1f} m in {summary['steps']} steps, {spl}"
         f"position off by {summary['ape_end']:.2f} m at the end and {summary['ape_max']:.2f} m at most, "
         f"{summary['collisions']} collisions"
     )

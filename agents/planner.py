@@ -18,6 +18,8 @@ CREDIBLE = 0.5
 DEPTH = 0.6
 """How far inside a region to go (m), in small ones this much less than to their middle: `DEPTH_SHARE` of the extent."""
 DEPTH_SHARE = 0.35
+START = np.zeros(2)
+"""Where the map was begun, map frame."""
 LOYALTY = 4.0
 """How much cheaper (m) another frontier has to be to turn away for it."""
 
@@ -76,6 +78,8 @@ class Planner:
         A believed region of the wanted type comes first; then the cheapest frontier, the current one being favoured.
         """
         self._decisions += 1
+        if view.returns:
+            return Target(START, "goal", "the start")
         self._avoided = [entry for entry in self._avoided if entry[2] > self._decisions]
         goals = [r for r in view.regions if r.goal_p > CREDIBLE and r.existence > CREDIBLE]
         if goals:

@@ -19,12 +19,23 @@ from regionslam_env.worlds.source import WorldSource
 from regionslam_env.worlds.world import World
 from slam.storage import replacing, save_map
 
-ENVIRONMENT = "RegionSLAM/GoTo-v0"
+ENVIRONMENT = "RegionSLAM/Mission-v0"
 MAX_STEPS = 6000
 MAX_REGIONS = 128
 
 SUMMARY_KEYS = (
-    *("success", "false_arrival", "steps", "path_length", "spl", "ape_max", "ape_end", "collisions", "wall_seconds"),
+    *(
+        "success",
+        "completed",
+        "false_arrival",
+        "steps",
+        "path_length",
+        "spl",
+        "ape_max",
+        "ape_end",
+        "collisions",
+        "wall_seconds",
+    ),
     *("mission", "world", "seed"),
 )
 
@@ -115,17 +126,16 @@ def run_mission(settings: RunSettings, tell: Callable[[Moment], None] = lambda m
 
 def make_environment(settings: RunSettings, world: World) -> gymnasium.Env[Any, Any]:
     """Return the environment of a mission; the world's own types may be goals beside the usual ones."""
-    (instruction,) = parse(settings.mission, world.types).instructions
-    types: tuple[str, ...] = SEMANTIC_TYPES
-    if instruction.type not in types:
-        types = (*types[:-1], instruction.type, types[-1])
+    mission = parse(settings.mission, world.types)
+    *types, other = SEMANTIC_TYPES
+    types += [name for name in mission.types if name not in SEMANTIC_TYPES]
     kwargs: dict[str, Any] = {
         "world": world,
-        "goal": instruction.type,
+        "mission": mission,
         "arrival": "declare",
         "max_steps": MAX_STEPS,
         "max_regions": MAX_REGIONS,
-        "semantic_types": types,
+        "semantic_types": (*types, other),
         "localization": settings.localization,
         "noise": settings.noise,
     }

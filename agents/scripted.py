@@ -29,12 +29,14 @@ FIRST_LOOK = 20
 will hang are measured many times."""
 LOST = 0.5
 """Standard deviation of the position (m) above which it declares nothing."""
+HOME = 0.5
+"""Distance from the start (m) within which the robot has returned."""
 WAY_POINT = 2.0
 """Length of the way (m) handed to the local controller."""
 
 
 class ScriptedAgent:
-    """Goes to a region of the wanted type; where none is wanted, it explores until no way leads to unknown rooms.
+    """Goes to a region of the wanted type, or back to the start, or explores until no way leads to unknown rooms.
 
     Parameters
     ----------
@@ -72,17 +74,21 @@ class ScriptedAgent:
     def reset(self) -> None:
         """Begin an episode."""
         self.terrain.reset()
+        self._time = 0
+        self._completed = 0.0
+        self._words = "starting"
+        self._follow()
+
+    def _follow(self) -> None:
+        """Begin an instruction: what the floor looks like stays known, all decisions are made anew."""
         self.planner.reset()
         self.target: Target | None = None
         self.route: Floats = np.zeros((0, 2))
         self._progress = Progress()
-        self._time = 0
-        self._due = 0  # when to decide anew
-        self._route_due = 0
+        self._due = self._route_due = 0  # when to decide anew
         self._confirmations = 0
         self._waiting = 0  # steps spent at the goal without being sure
         self._seen_all = False
-        self._words = "starting"
 
     def say(self) -> str:
         """Return in words what the robot is doing."""
@@ -91,12 +97,15 @@ class ScriptedAgent:
     def act(self, observation: Mapping[str, NDArray[Any]]) -> NDArray[np.float32]:
         """Return the next action for an observation."""
         view = View(observation, self._types)
+        if view.completed != self._completed:
+            self._completed = view.completed
+            self._follow()
         ranges = np.asarray(observation["lidar"], dtype=np.float64)
         self.terrain.insert(view.pose, ranges)
         drive = self._drive(view, ranges)
         arrived = self._arrived(view) or (self._declares and self._seen_all)
         if arrived and (self._declares or self.target is None or self.target.kind != "goal"):
-            self._words = "done exploring" if view.goal is None else f"arrived in the {view.goal}"
+            self._words = _arrival(view)
             drive = np.zeros(2)
         self._time += 1
         if self._declares:
@@ -141,7 +150,7 @@ class ScriptedAgent:
         if target is not None and (current is None or np.hypot(*(target.point - current.point)) > 0.5):
             self._progress.restart()
         self.target = target
-        self._seen_all = view.goal is None and not self.planner.leads_on
+        self._seen_all = view.goal is None and not view.returns and not self.planner.leads_on
         self.route = np.zeros((0, 2))
         self._due = self._time + (10 if target is not None and target.kind == "goal" else 20)
         if target is not None:
@@ -170,10 +179,21 @@ class ScriptedAgent:
         return np.zeros(2)
 
     def _arrived(self, view: View) -> bool:
-        """Tell whether the robot has believed for some steps that it is well inside a region of the wanted type."""
-        inside = view.position_sigma < LOST and any(_well_inside(r, view.pose) for r in view.goal_regions())
+        """Tell whether the robot has believed for some steps that it is well inside the place where it has to be."""
+        if view.returns:
+            inside = float(np.hypot(*view.pose[:2])) < HOME
+        else:
+            inside = any(_well_inside(r, view.pose) for r in view.goal_regions())
+        inside = inside and view.position_sigma < LOST
         self._confirmations = self._confirmations + 1 if inside else 0
         return self._confirmations >= CONFIRMATIONS
+
+
+def _arrival(view: View) -> str:
+    """Return in words what the robot has done."""
+    if view.returns:
+        return "back at the start"
+    return "done exploring" if view.goal is None else f"arrived in the {view.goal}"
 
 
 def _well_inside(region: BelievedRegion, pose: Floats) -> bool:

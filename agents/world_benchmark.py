@@ -149,4 +149,4 @@ def _starts(world: World, radius: float, seed: int) -> bool:
         missions = [task.draw(rng) for _ in range(MISSIONS)]
     except ConfigError:
         return False
-    return all(task.geodesic.free(*m.start[:2]) and np.isfinite(m.shortest) for m in missions)
+    return all(task.geodesic.free(*m.start[:2]) and m.shortest is not None for m in missions)

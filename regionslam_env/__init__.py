@@ -13,8 +13,9 @@ from regionslam_env.registration import register_envs
 if TYPE_CHECKING:
     from regionslam_env.config import SEMANTIC_TYPES, NoiseConfig, RobotConfig, SensorConfig
     from regionslam_env.env import SemanticNavigationEnv
+    from regionslam_env.envs import ExploreEnv, GoToEnv, MissionEnv
     from regionslam_env.observations import LinkColumn, RegionColumn, link_table, region_table
-    from regionslam_env.tasks.rewards import ExploreRewardConfig, RewardConfig
+    from regionslam_env.tasks.rewards import ExploreRewardConfig, MissionRewardConfig, RewardConfig
     from regionslam_env.worlds.world import World
     from regionslam_env.wrappers import (
         DiscreteActions,
@@ -27,10 +28,14 @@ if TYPE_CHECKING:
 __all__ = [
     "SEMANTIC_TYPES",
     "DiscreteActions",
+    "ExploreEnv",
     "ExploreRewardConfig",
     "FlatObservation",
+    "GoToEnv",
     "GraphObservation",
     "LinkColumn",
+    "MissionEnv",
+    "MissionRewardConfig",
     "NoiseConfig",
     "RegionColumn",
     "RewardConfig",
@@ -56,11 +61,15 @@ _HOME = {
     "RobotConfig": "config",
     "SensorConfig": "config",
     "SemanticNavigationEnv": "env",
+    "ExploreEnv": "envs",
+    "GoToEnv": "envs",
+    "MissionEnv": "envs",
     "LinkColumn": "observations",
     "RegionColumn": "observations",
     "link_table": "observations",
     "region_table": "observations",
     "ExploreRewardConfig": "tasks.rewards",
+    "MissionRewardConfig": "tasks.rewards",
     "RewardConfig": "tasks.rewards",
     "World": "worlds.world",
 }

@@ -3,12 +3,38 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple, TypeVar
+from pathlib import Path
+from typing import Any, NamedTuple, TypedDict, TypeVar
 
-from regionslam_env.config import RobotConfig, from_dict
+from regionslam_env.actions import Arrival
+from regionslam_env.belief import Localization
+from regionslam_env.config import NoiseConfig, RobotConfig, from_dict
 from regionslam_env.errors import ConfigError, unknown
+from regionslam_env.missions.mission import Mission
+from regionslam_env.worlds.generate.options import WorldOptions
+from regionslam_env.worlds.world import World
 
 T = TypeVar("T")
+
+
+class CommonArguments(TypedDict, total=False):
+    """Keyword arguments that every environment takes; see `regionslam_env.env.SemanticNavigationEnv`."""
+
+    world: str | Path | World
+    world_options: Mapping[str, Any] | WorldOptions | None
+    split: str
+    localization: Localization
+    arrival: Arrival
+    n_particles: int
+    sensor_range: float
+    occlusion: bool
+    sensors: Mapping[str, Any] | None
+    robot: str | Mapping[str, Any] | RobotConfig
+    noise: str | Mapping[str, Any] | NoiseConfig
+    max_regions: int
+    semantic_types: Sequence[str]
+    reveal_truth: bool
+    render_mode: str | None
 
 
 class ResetOptions(NamedTuple):
@@ -18,6 +44,8 @@ class ResetOptions(NamedTuple):
     ----------
     goal
         Semantic type to go to.
+    mission
+        In words, or as a `Mission`.
     start
         True pose (x, y, theta) in the world frame, m and rad.
     world_seed
@@ -27,9 +55,25 @@ class ResetOptions(NamedTuple):
     """
 
     goal: str | None = None
+    mission: str | Mission | None = None
     start: Sequence[float] | None = None
     world_seed: int | None = None
     keep_map: bool = False
+
+    def wanted(self, option: str | None) -> Any:
+        """Return the value of the option that says what is to be done, None where it is not given.
+
+        Raises
+        ------
+        ConfigError
+            For a value of another one.
+        """
+        for name in ("goal", "mission"):
+            value = getattr(self, name)
+            if value is not None and name != option:
+                instead = "this task is always the same" if option is None else f"this task takes a {option}"
+                raise ConfigError(f"{name} is {value!r}, expected none: {instead}")
+        return None if option is None else getattr(self, option)
 
 
 ROBOTS: Mapping[str, RobotConfig] = {"standard": RobotConfig()}

@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from slam.belief import Belief
 from slam.config import SlamConfig
-from slam.extent import contains
 from slam.fastslam import RegionSLAM
-from slam.grid import search
-from slam.jit import njit
-from slam.maps import LAYERS, Maps, region_of
 from slam.measurement import Scan
 from slam.motion import Odometry
 from slam.particles import ParticleSet
@@ -83,31 +79,3 @@ class Localizer:
         belief.pose_cov[:] = reckoning["cov"][0]
         belief.particles["spread"][:] = reckoning["cov"][0]
         return belief
-
-
-def probability_in_type(belief: Belief, region_type: str) -> float:
-    """Return the probability of being in a region of a type, over the particles and their own maps.
-
-    Only confirmed regions count, and of several types at one place only the most credible.
-    """
-    if region_type not in belief.types:
-        return 0.0
-    index = belief.types.index(region_type)
-    return float(inside_type(belief.particles, tuple(belief.maps), index, belief.confirmed_after))
-
-
-@njit
-def inside_type(particles: NDArray[np.void], arrays: tuple[Any, ...], region_type: int, confirmed_after: int) -> float:
-    """Return the weight of the particles that are in a credible region of a type (its number)."""
-    maps, total = Maps(*arrays), 0.0
-    for q in range(len(particles)):
-        pose = particles[q].expected
-        for slot in search(maps.slots, maps.buckets, maps.counts[LAYERS], pose[0], pose[1], 0.0):
-            if maps.table[q, slot] < 0:
-                continue
-            region = region_of(maps, q, slot)
-            credible = region.rival < 0 and region.sightings >= confirmed_after
-            if credible and region.type == region_type and contains(region, pose[0], pose[1], 0.0):
-                total += np.exp(particles[q].log_weight)
-                break
-    return total

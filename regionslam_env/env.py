@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import gymnasium
 import numpy as np
@@ -15,9 +15,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from regionslam_env.actions import ARRIVALS, Arrival, action_space, read_action
 from regionslam_env.arguments import ResetOptions, one_of, read_options, robot_config, whole_number
-from regionslam_env.belief import LOCALIZATIONS, Localization, Localizer, probability_in_type
+from regionslam_env.belief import LOCALIZATIONS, Localization, Localizer
 from regionslam_env.config import SEMANTIC_TYPES, NoiseConfig, RobotConfig, SensorConfig, from_dict, noise_set
 from regionslam_env.errors import ConfigError
+from regionslam_env.missions.mission import Mission, goal_of
 from regionslam_env.observations import Observation, Observer, observed_types
 from regionslam_env.sensors.lidar import Lidar
 from regionslam_env.sensors.odometry import OdometrySensor
@@ -25,11 +26,10 @@ from regionslam_env.sensors.region_sensor import RegionSensor
 from regionslam_env.simulation.physics import Simulation
 from regionslam_env.tasks.drawing import MissionSource
 from regionslam_env.tasks.episode import Episode
-from regionslam_env.tasks.kinds import TASKS, task_in
 from regionslam_env.tasks.metrics import MAP_METRICS
-from regionslam_env.tasks.rewards import Rewards, reward_set
 from regionslam_env.tasks.task import Moment, Task, TaskSettings
 from regionslam_env.worlds.generate.options import WorldOptions
+from regionslam_env.worlds.geodesic import shared_geodesic
 from regionslam_env.worlds.source import SPLITS, WorldSource
 from regionslam_env.worlds.world import World
 from slam.belief import Belief
@@ -45,20 +45,22 @@ Info = dict[str, Any]
 
 
 class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
-    """Go to a place by its meaning, or map a floor, which is not known, with a pose that is only believed.
+    """What all environments share: a floor that is not known, a robot that only believes where it is, and a task.
+
+    The environments themselves are `GoToEnv`, `ExploreEnv` and `MissionEnv`; each adds the sections of its own.
 
     ## Description
 
-    A round robot with two driven wheels stands somewhere on an annotated floor and is told what kind of place to go
-    to, or to map the floor (`task="explore"`). It never learns where it is: its odometry drifts, and a region-based
-    FastSLAM 2.0 filter (Oberländer et al. 2008) turns noisy and partial measurements of rooms, hallways, doors and
-    furniture into a belief about pose and semantic map. That belief is the observation. Success is judged on the truth.
+    A round robot with two driven wheels stands somewhere on an annotated floor. It never learns where it is: its
+    odometry drifts, and a region-based FastSLAM 2.0 filter (Oberländer et al. 2008) turns noisy and partial
+    measurements of rooms, hallways, doors and furniture into a belief about pose and semantic map. That belief is the
+    observation. Success is judged on the truth.
 
     ## Action Space
 
     `Box(-1, 1, (2,), float32)`: forward speed and turn rate, as shares of the robot's largest (1 m/s and 2 rad/s).
     With `arrival="declare"` it is `Box(-1, 1, (3,), float32)`, and a third component above 0 declares that the robot
-    has arrived.
+    has done what it was told.
 
     ## Observation Space
 
@@ -76,49 +78,27 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     | links | Box | (512,) | 4 S rows, strongest first: row, row, probability, kind (0 passage, 1 second in first) |
     | links_mask | MultiBinary | (128,) | which rows hold a link |
     | lidar | Box | (180,) | distance (m) along rays all around, counter-clockwise from straight back |
-    | goal | Box | (24,) | one-hot over the T semantic types; zeros where there is no goal |
-    | progress | Box | (2,) | share of the episode's steps that has passed, 1 once arrival is declared |
+    | goal | Box | (24,) | one-hot over the T semantic types: where to go now; zeros where no type is looked for |
+    | progress | Box | (6,) | shares of steps passed and of instructions done, declared, now: go to, explore, return |
 
     ## Rewards
 
     The sum of named terms, which stand in `info["reward_terms"]`; `reward` changes their weights.
 
-    | Term | Weight | When |
-    | --- | --- | --- |
-    | progress | 1 per metre | come nearer to the goal, geodesically |
-    | success | 10 | mission done |
-    | time | -0.01 | every step |
-    | collision | -0.05 | every step that something holds the robot back |
-    | false_arrival | -10 | arrival declared outside of the goal |
-
-    With `task="explore"`, for which the believed map is compared with the truth every two seconds:
-
-    | Term | Weight | When |
-    | --- | --- | --- |
-    | recall | 20 for all | the map gains regions that can be entered; what it loses costs as much |
-    | edges | 10 for all | it closes their edges |
-    | success | 10 | mission done |
-    | time | -0.002 | every step |
-    | collision | -0.05 | every step that something holds the robot back |
-    | false_arrival | -10 | end declared before enough is mapped |
-
     ## Starting State
 
-    At rest, anywhere with a free way of at least `start_distance` to the nearest goal region, in any direction. The
-    goal is a drawn type of room, unless it is given. To explore, it starts anywhere in the largest connected part of
-    the floor. `reset(options={"goal": "kitchen", "start": (x, y, theta)})` sets
-    either for one episode (world frame, m and rad).
+    At rest, in any direction, where the robot fits. `reset(options={"start": (x, y, theta)})` sets the start of one
+    episode (world frame, m and rad).
 
     `reset(options={"keep_map": True})` goes on with the map of the episode before, in the same world: map frame, map
     and rows stay, and so does the robot, unless a `start` is given. Then it has been carried, and the filter has to
     find it again on its map; the oracle is told, and dead reckoning refuses.
 
+    With the kind of world "office", "apartment", "school", "hospital" or "campus", every reset draws a new one, whose
+    number is in `info["world_seed"]`; `reset(options={"world_seed": 3})` enters a certain one of the split.
+
     ## Episode End
 
-    * Termination with `arrival="stay"`: the robot's centre has been inside a goal region for 1 s.
-    * Termination with `arrival="declare"`: the robot declares its arrival, right or wrong.
-    * Termination with `task="explore"`: `map_share` of the regions of that part, furniture left out, are on the map;
-      with `arrival="declare"`, the robot declares so, right or wrong.
     * Truncation: after `max_steps` steps.
 
     The last `info` holds the metrics of `regionslam_env.tasks.metrics.METRICS`; None where one has no meaning.
@@ -127,30 +107,21 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
     | Argument | Default | Meaning |
     | --- | --- | --- |
-    | task | "goto" | "goto" or "explore" |
-    | world | "institute" | a built-in floor, the path of a world file, a `World`, or a kind (below) |
+    | world | "institute" | a built-in floor, the path of a world file, a `World`, or a kind (above) |
     | world_options | None | of a kind's worlds: keys of `WorldOptions` (`size`, `clutter`, `ambiguity`) |
     | split | "train" | "train", "val" or "test": disjoint seeds of worlds, missions and noise |
     | localization | "slam" | "slam", "oracle" (true pose) or "odometry" (dead reckoning); same seed, same noise |
     | arrival | "stay" | "stay" or "declare" |
-    | goal | None | semantic type to go to in every episode; None draws one |
-    | start_distance | 2.0 | least geodesic distance of the start from every goal region, m |
-    | map_share | 0.9 | share of the regions that has to be mapped in order to succeed in exploring |
-    | max_steps | 1000 | steps of 0.1 s until truncation (`max_episode_steps` would end it without metrics) |
     | n_particles | 4 | particles of the filter |
     | sensor_range | 8.0 | range of the region sensor, m |
     | occlusion | True | whether walls hide regions |
     | sensors | None | other keys of `SensorConfig` |
     | robot | "standard" | keys of `RobotConfig` |
     | noise | "standard" | "standard", "heavy", "none", or keys of `NoiseConfig` |
-    | reward | "standard" | "standard", "sparse", or keys of `RewardConfig` or `ExploreRewardConfig` |
     | max_regions | 32 | rows for regions in an observation |
     | semantic_types | `SEMANTIC_TYPES` | types an observation tells apart; all others count as "other" |
     | reveal_truth | False | puts the true pose and distance into `info["truth"]` |
     | render_mode | None | "rgb_array" or "ansi" (the belief as text); with `gymnasium.make` also "human", a window |
-
-    With the kind of world "office", "apartment", "school", "hospital" or "campus", every reset draws a new one, whose
-    number is in `info["world_seed"]`; `reset(options={"world_seed": 3})` enters a certain one of the split.
 
     ## Version History
 
@@ -161,33 +132,31 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         "render_modes": ["rgb_array", "ansi"],
         "render_fps": 10,
     }
+    task_type: ClassVar[type[Task]]
+    """What is done."""
 
     def __init__(
         self,
+        task_arguments: Mapping[str, Any],
+        wanted: Any,
+        max_steps: int,
         *,
-        task: str = "goto",
         world: str | Path | World = "institute",
         world_options: Mapping[str, Any] | WorldOptions | None = None,
         split: str = "train",
         localization: Localization = "slam",
         arrival: Arrival = "stay",
-        goal: str | None = None,
-        start_distance: float = 2.0,
-        map_share: float = 0.9,
-        max_steps: int = 1000,
         n_particles: int = 4,
         sensor_range: float = 8.0,
         occlusion: bool = True,
         sensors: Mapping[str, Any] | None = None,
         robot: str | Mapping[str, Any] | RobotConfig = "standard",
         noise: str | Mapping[str, Any] | NoiseConfig = "standard",
-        reward: str | Mapping[str, Any] | Rewards = "standard",
         max_regions: int = 32,
         semantic_types: Sequence[str] = SEMANTIC_TYPES,
         reveal_truth: bool = False,
         render_mode: str | None = None,
     ) -> None:
-        reward_sets: Mapping[str, Any] = TASKS[one_of("task", task, tuple(TASKS))].reward_sets
         self._split = one_of("split", split, SPLITS)
         self.localization = one_of("localization", localization, LOCALIZATIONS)
         self.arrival = one_of("arrival", arrival, ARRIVALS)
@@ -199,22 +168,14 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             SensorConfig, {"range": sensor_range, "occlusion": occlusion, **(sensors or {})}, "sensors"
         )
         self.noise = noise_set(noise)
-        self.reward: Any = reward_set(reward, reward_sets)
         self.semantic_types = observed_types(semantic_types)
         self.reveal_truth, self.render_mode = reveal_truth, render_mode
 
         self._localizer = Localizer(self.localization, self._slam_config(n_particles))
-        settings = TaskSettings(
-            types=self.semantic_types,
-            step=self.robot.step,
-            rewards=self.reward,
-            declares=self.arrival == "declare",
-            start_distance=start_distance,
-            map_share=map_share,
-        )
-        enter = partial(task_in, kind=task, radius=self.robot.radius, settings=settings)
-        worlds = WorldSource(world, world_options, self._split)
-        self._missions = MissionSource(worlds, enter, goal, self.semantic_types)
+        settings = TaskSettings(self.semantic_types, self.robot.step, self.arrival == "declare")
+        task_in = partial(_task_in, self.task_type, self.robot.radius, settings, task_arguments)
+        mission = None if wanted is None else self.task_type.read(wanted, self.semantic_types)
+        self._missions = MissionSource(WorldSource(world, world_options, self._split), task_in, mission)
         self._enter(self._missions.task)
         self._observer = Observer(
             self.semantic_types, n_slots, self.robot, self.sensors.n_lidar_rays, self.sensors.lidar_range
@@ -233,15 +194,16 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         seed
             Of every random number to come; the same one gives the same episodes.
         options
-            ``goal``: semantic type to go to; ``start``: true pose (x, y, theta) in the world frame, m and rad;
+            ``goal``: semantic type to go to, or ``mission``: what to do, in words or as a `Mission`, whichever the task
+            takes; ``start``: true pose (x, y, theta) in the world frame, m and rad;
             ``world_seed``: number of the world to enter, for an environment with a kind of worlds; ``keep_map``:
             whether the filter keeps its map, and the robot stays where it is unless ``start`` is given.
 
         Raises
         ------
         ConfigError
-            For an unknown option or goal, a start that is not free, a goal that cannot be reached from it, or a map
-            that cannot be kept. The episode before goes on then.
+            For an unknown option, goal or mission, a start that is not free, a goal that cannot be reached from it, or
+            a map that cannot be kept. The episode before goes on then.
         """
         super().reset(seed=seed)
         chosen = read_options(options)
@@ -250,6 +212,7 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             number = self._go_on(mission_rng, chosen)
         else:
             number = self._begin(mission_rng, world_rng, filter_rng, chosen)
+        self._aim()
         self.simulation.reset(*self.mission.start)
         self._odometry_sensor.reset(odometry_rng)
         self._lidar.reset(lidar_rng)
@@ -261,7 +224,7 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         self._renderer = None
         standing, pose = Odometry(0.0), self.simulation.pose
         self._perceive(standing, pose, self._episode.in_map(pose))
-        observation = self._observe(standing, 0.0)
+        observation = self._observe(standing, False)
         info: Info = {"mission": self.mission_text}
         if number is not None:
             info["world_seed"] = number
@@ -277,12 +240,14 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         chosen: ResetOptions,
     ) -> int | None:
         """Draw world and mission and forget every map; return the number of the world, if it has one."""
-        self.mission, number = self._missions.draw(mission_rng, world_rng, chosen.goal, chosen.start, chosen.world_seed)
+        self.mission, number = self._missions.draw(
+            mission_rng, world_rng, self._wanted(chosen), chosen.start, chosen.world_seed
+        )
         if self._missions.task is not self.task:
             self._enter(self._missions.task)
         self._origin = self.mission.start
         self._localizer.reset(filter_rng)
-        self._observer.reset(self.mission.goal)
+        self._observer.reset()
         return number
 
     def _go_on(self, mission_rng: np.random.Generator, chosen: ResetOptions) -> int | None:
@@ -295,12 +260,26 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
                 "dead reckoning cannot find a robot that was carried"
             )
         self.mission, number = self._missions.stay(
-            mission_rng, self.true_pose.tolist(), chosen.goal, chosen.start, chosen.world_seed
+            mission_rng,
+            self.true_pose.tolist(),
+            self._origin,
+            self._wanted(chosen),
+            chosen.start,
+            chosen.world_seed,
         )
         if chosen.start is not None:
             self._localizer.carry()
-        self._observer.aim(self.mission.goal)
         return number
+
+    def _wanted(self, chosen: ResetOptions) -> Mission | None:
+        """Return the mission that is asked for, if one is."""
+        value = chosen.wanted(self.task_type.option)
+        return None if value is None else self.task_type.read(value, self.semantic_types)
+
+    def _aim(self) -> None:
+        """Let observations tell what is to be done now."""
+        self._instruction = self.task.instruction
+        self._observer.aim(self._instruction)
 
     def _enter(self, task: Task) -> None:
         """Put robot and sensors into a task's world."""
@@ -332,9 +311,11 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         true_pose = episode.in_map(pose)
         belief = self._perceive(odometry, pose, true_pose)
         episode.add(odometry, collided, true_pose, belief.pose_mean, belief.pose_cov)
-        observation = self._observe(odometry, float(declared))
         last = episode.steps >= self.max_steps
         terms, success, terminated = self.task.verdict(Moment(pose, collided, declared, belief, self._origin, last))
+        if self.task.instruction is not self._instruction:
+            self._aim()
+        observation = self._observe(odometry, declared)
 
         truncated = last and not terminated
         info: Info = {"reward_terms": terms}
@@ -355,9 +336,11 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             self._path.append(belief.pose_mean)
         return belief
 
-    def _observe(self, odometry: Odometry, done: float) -> Observation:
+    def _observe(self, odometry: Odometry, declared: bool) -> Observation:
         elapsed = self._episode.steps / self.max_steps
-        return self._observer.observe(self._localizer.belief, odometry, self.ranges, elapsed, done)
+        return self._observer.observe(
+            self._localizer.belief, odometry, self.ranges, elapsed, self.task.completed, declared
+        )
 
     def render(self) -> Any:
         """Return the picture of this moment, (H, W, 3) uint8, or the belief in words and signs, by `render_mode`."""
@@ -388,13 +371,13 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
     @property
     def goal(self) -> str | None:
-        """Semantic type of the running mission; None where there is none."""
-        return self.mission.goal
+        """Semantic type to go to now; None where none is looked for."""
+        return goal_of(self._instruction)
 
     @property
     def mission_text(self) -> str:
         """The running mission in words."""
-        return self.mission.text
+        return str(self.mission.mission)
 
     def __getstate__(self) -> dict[str, Any]:
         """Pickle everything but the pictures, so that an episode continues identically elsewhere."""
@@ -436,14 +419,13 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             self._origin,
         )
         figures = {name: getattr(quality, name.removeprefix("region_")) for name in MAP_METRICS}
-        goal = self.mission.goal
         return self._episode.metrics(
             success,
             declared if self.arrival == "declare" else None,
-            None if goal is None else probability_in_type(self.belief, goal),
+            self.task.believed(self.belief),
             self.task.remaining,
             self.simulation.path_length,
-            figures | dict(self.task.figures),
+            figures | {"completed": self.task.completed} | dict(self.task.figures),
         )
 
     def _write(self) -> str:
@@ -453,7 +435,7 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
         belief = self.belief
         words = f"{self.mission_text}: {belief.map.describe(belief.pose_mean)}"
-        return f"{words}\n{text_picture(shapes_of_map(belief.map), belief.pose_mean, self.mission.goal)}"
+        return f"{words}\n{text_picture(shapes_of_map(belief.map), belief.pose_mean, self.goal)}"
 
     def _draw(self) -> NDArray[np.uint8]:
         """Draw truth and belief; what draws is imported here, so that nothing else needs it."""
@@ -464,7 +446,7 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             self._renderer = Renderer(
                 self.world,
                 self._origin,
-                self.mission.goal,
+                self.goal,
                 robot_radius=self.robot.radius,
                 lidar_range=self.sensors.lidar_range,
             )
@@ -483,3 +465,10 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             driven=self.simulation.path_length,
         )
         return self._renderer.frame(snapshot)
+
+
+def _task_in(
+    task_type: type[Task], radius: float, settings: TaskSettings, arguments: Mapping[str, Any], world: World
+) -> Task:
+    """Return the task in a world, for a robot of this radius, m."""
+    return task_type(world, shared_geodesic(world, radius), settings, **arguments)

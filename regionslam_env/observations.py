@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from regionslam_env import tables
 from regionslam_env.config import RobotConfig
 from regionslam_env.errors import ConfigError
+from regionslam_env.missions.mission import Explore, GoTo, Instruction, Return, goal_of
 from slam.belief import Belief
 from slam.jit import njit
 from slam.motion import Odometry
@@ -28,6 +29,21 @@ LINK_COLUMNS = 4
 LINKS_PER_SLOT = 4
 COVARIANCE_LIMIT = 1e4
 """Entries of the pose's covariance are clipped to this, m² and rad²."""
+
+
+INSTRUCTIONS = (GoTo, Explore, Return)
+"""Kinds of instructions, in the order in which `progress` tells which one is to be followed."""
+
+
+class ProgressColumn(IntEnum):
+    """Entries of `progress`: shares of the episode's steps and of the instructions, then one-hot what to do now."""
+
+    ELAPSED = 0
+    COMPLETED = 1
+    DECLARED = 2
+    GO_TO = 3
+    EXPLORE = 4
+    RETURN = 5
 
 
 class RegionColumn(IntEnum):
@@ -132,7 +148,7 @@ def observation_space(
             "links_mask": spaces.MultiBinary(n_links),
             "lidar": box(0, lidar_range, (n_lidar_rays,)),
             "goal": box(0, 1, (n_types,)),
-            "progress": box(0, 1, (2,)),
+            "progress": box(0, 1, (3 + len(INSTRUCTIONS),)),
         }
     )
 
@@ -164,15 +180,16 @@ class Observer:
         self._ids = np.full(n_slots, -1)
         self._places = np.full(n_slots, -1)
         self._type_columns = np.zeros(0, np.int64)
-        self._goal = 0
+        self._goal = self._kind = 0
 
-    def aim(self, goal: str | None) -> None:
-        """Set the goal type, or none, and leave every region in its slot."""
+    def aim(self, instruction: Instruction) -> None:
+        """Set what is to be done now."""
+        goal = goal_of(instruction)
         self._goal = -1 if goal is None else self.types.index(goal)
+        self._kind = ProgressColumn.GO_TO + INSTRUCTIONS.index(type(instruction))
 
-    def reset(self, goal: str | None) -> None:
-        """Begin an episode with this goal type, or none, with every slot free."""
-        self.aim(goal)
+    def reset(self) -> None:
+        """Begin an episode with every slot free."""
         self._ids[:] = -1
         self._places[:] = -1
         self._type_columns = np.zeros(0, np.int64)
@@ -183,7 +200,13 @@ class Observer:
         return self._ids.copy()
 
     def observe(
-        self, belief: Belief, odometry: Odometry, ranges: NDArray[np.float64], elapsed: float, done: float
+        self,
+        belief: Belief,
+        odometry: Odometry,
+        ranges: NDArray[np.float64],
+        elapsed: float,
+        completed: float,
+        declared: bool,
     ) -> Observation:
         """Return the observation of a moment.
 
@@ -195,8 +218,10 @@ class Observer:
             Of the last step.
         ranges
             Of the lidar, m.
-        elapsed, done
-            Shares of the episode that has passed and of the mission that is done.
+        elapsed, completed
+            Shares of the episode that has passed and of the instructions that are done.
+        declared
+            Whether the last action declared so.
         """
         if len(belief.types) != len(self._type_columns):
             self._learn_types(belief.types)
@@ -212,7 +237,7 @@ class Observer:
             "links_mask": np.zeros(size["links_mask"], np.int8),
             "lidar": np.empty(size["lidar"], np.float32),
             "goal": np.zeros(size["goal"], np.float32),
-            "progress": np.empty(2, np.float32),
+            "progress": np.zeros(size["progress"], np.float32),
         }
         write_senses(
             observation["pose"],
@@ -228,8 +253,10 @@ class Observer:
             odometry.distance,
             odometry.rotation,
             self._goal,
+            self._kind,
             elapsed,
-            done,
+            completed,
+            declared,
         )
         tables.write_map(
             regions,
@@ -286,8 +313,10 @@ def write_senses(
     distance: float,
     rotation: float,
     goal_type: int,
+    kind: int,
     elapsed: float,
-    done: float,
+    completed: float,
+    declared: bool,
 ) -> None:
     """Write all of an observation but the map; `limits`: step, velocities and range of the lidar."""
     pose[0], pose[1] = tables.clip(mean[0], tables.LENGTH_LIMIT), tables.clip(mean[1], tables.LENGTH_LIMIT)
@@ -301,4 +330,5 @@ def write_senses(
         lidar[i] = min(limits[3], max(0.0, ranges[i]))
     if goal_type >= 0:
         goal[goal_type] = 1
-    progress[0], progress[1] = elapsed, done
+    progress[0], progress[1], progress[2] = elapsed, completed, declared
+    progress[kind] = 1

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from slam.maps import Maps
-from slam.mixture import sum_inside
+from slam.mixture import sum_inside, weigh_inside
 from slam.paper_form import to_features
 from slam.region_map import RegionMap
 from slam.rows import Floats
@@ -70,3 +70,13 @@ class Belief:
         total = np.zeros(len(self.maps.slots))
         sum_inside(self.particles, self.maps.table, self.maps.pool, self.confirmed_after, total)
         return {int(self.maps.slots[slot].id): float(total[slot]) for slot in np.flatnonzero(total >= 0.001)}
+
+    def probability_in(self, region_type: str) -> float:
+        """Return the probability of being in a region of a type, over the particles and their own maps.
+
+        Only confirmed regions count, and of several types at one place only the most credible.
+        """
+        if region_type not in self.types:
+            return 0.0
+        index = self.types.index(region_type)
+        return min(1.0, float(weigh_inside(self.particles, tuple(self.maps), index, self.confirmed_after)))

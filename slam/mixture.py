@@ -6,8 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from slam.extent import probability_inside
+from slam.extent import contains, probability_inside
+from slam.grid import search
 from slam.jit import Array, njit
+from slam.maps import LAYERS, Maps, region_of
 
 
 @njit
@@ -22,6 +24,23 @@ def sum_inside(particles: Array, table: Array, pool: Array, confirmed_after: int
                     total[slot] += np.exp(particle.log_weight) * probability_inside(
                         m, particle.expected, particle.spread
                     )
+
+
+@njit
+def weigh_inside(particles: Array, arrays: tuple[Any, ...], region_type: int, confirmed_after: int) -> float:
+    """Return the weight of the particles that are in a credible region of a type (its number)."""
+    maps, total = Maps(*arrays), 0.0
+    for q in range(len(particles)):
+        pose = particles[q].expected
+        for slot in search(maps.slots, maps.buckets, maps.counts[LAYERS], pose[0], pose[1], 0.0):
+            if maps.table[q, slot] < 0:
+                continue
+            region = region_of(maps, q, slot)
+            credible = region.rival < 0 and region.sightings >= confirmed_after
+            if credible and region.type == region_type and contains(region, pose[0], pose[1], 0.0):
+                total += np.exp(particles[q].log_weight)
+                break
+    return total
 
 
 @njit

@@ -1,6 +1,6 @@
-"""Words to missions: "go to the hallway" becomes ``Mission((GoTo("hallway"),))``.
+"""Words to missions: "go to the hallway, then return" becomes ``Mission((GoTo("hallway"), Return()))``.
 
-The grammar knows the sentence, the vocabulary of places comes from the caller: whatever types the environment uses.
+The grammar knows the sentences, the vocabulary of places comes from the caller: whatever types the environment uses.
 """
 
 from __future__ import annotations
@@ -11,25 +11,53 @@ from functools import cache
 from lark import Lark, Token, Tree
 from lark.exceptions import UnexpectedInput
 
-from regionslam_env.errors import unknown
-from regionslam_env.missions.mission import GoTo, Mission
+from regionslam_env.errors import ConfigError, unknown
+from regionslam_env.missions.mission import Explore, GoTo, Instruction, Mission, Return
+
+_VERBS = "|".join(
+    (
+        *("then", "please", "afterwards", "finally", "lastly", "go", "drive", "move", "head", "navigate", "travel"),
+        *("walk", "come", "get", "return", "find", "visit", "reach", "enter", "take", "bring", "guide", "lead"),
+        *("explore", "map", "survey", "scout", "look", "back", "to", "the"),
+    )
+)
+"""What may follow an "and" that joins two instructions; any other one belongs to the name of a place."""
+
+_HOMES = r"(start|starting\s+(point|place|position)|beginning|origin|home|where\s+(you|we)\s+(started|began))\b"
+"""Where the map was begun, if it ends an instruction: a home office is a place."""
 
 GRAMMAR = r"""
-start: PLEASE? _motion DETERMINER? place PLEASE?
-_motion: (MOVE | FIND) | MOVE TO | TAKE ME TO
-place: (WORD | TO)+
+start: PLEASE? _instruction (_THEN+ PLEASE? (_instruction | shortened))* PLEASE?
+_instruction: goto | explore | return
+goto: (MOVE | RETURN) BACK? TO? DETERMINER? place
+    | FIND DETERMINER? place
+    | TAKE ME BACK? TO DETERMINER? place
+shortened: (BACK? TO)? DETERMINER? place -> goto
+         | BACK -> return
+         | BACK? TO? DETERMINER? HOME -> return
+explore: EXPLORE (DETERMINER | SCOPE)*
+return: RETURN BACK? | MOVE BACK | TAKE ME BACK
+      | (MOVE | RETURN) BACK? TO? DETERMINER? HOME
+      | TAKE ME BACK? TO? DETERMINER? HOME
+place: WORD (WORD | TO)*
 
-PLEASE.2: /(please|robot)\b/
-MOVE.2: /(go|drive|move|head|navigate|travel|walk|come|get|return)\b/
+_THEN.4: /[,;.!](?=\s*[^\W_])|(then|afterwards|after\s+that|finally|lastly)\b|and(?=\s+(VERBS)\b)/
+PLEASE.5: /[\s,]*\b(please|robot)\b[\s,]*/
+MOVE.2: /(go|drive|move|head|navigate|travel|walk|come|get)\b/
+RETURN.2: /return\b/
 FIND.2: /(find|visit|reach|enter)\b/
 TAKE.2: /(take|bring|guide|lead)\b/
+EXPLORE.2: /(explore|map|survey|scout|look\s+around)\b/
+SCOPE.2: /(everything|everywhere|all|whole|entire|rest|of|floor|storey|building|house|apartment|flat|area|place)\b/
 ME.2: /(me|us|yourself)\b/
+BACK.2: /back\b/
 TO.2: /(into|inside|to|towards|toward|in)\b/
+HOME.3: /HOMES(?=\W*((then|and|afterwards|finally|please)\b|$)|\s*[,;.!])/
 DETERMINER.2: /(the\s+nearest|the\s+next|the\s+closest|the|an|a|any|some|one\s+of\s+the|nearest|our|your)\b/
 WORD: /[^\W_]+(['-][^\W_]+)*/
 
-%ignore /[\s,.!_]+/
-"""
+%ignore /[\s,;.!_]+/
+""".replace("VERBS", _VERBS).replace("HOMES", _HOMES)
 
 SYNONYMS = {
     "hallway": ("corridor", "hall", "passage", "passageway", "aisle", "gang"),
@@ -56,30 +84,33 @@ SYNONYMS = {
 """Everyday words for the types of the default vocabulary."""
 
 
-class MissionError(ValueError):
+class MissionError(ConfigError):
     """A sentence that is no mission, or that names an unknown place."""
 
 
 def parse(text: str, known_types: Iterable[str]) -> Mission:
-    """Read one instruction in plain English.
+    """Read instructions in plain English.
 
     Parameters
     ----------
     text
-        For example "go to the hallway", "Please drive to a meeting room!", "find the lab".
+        For example "go to the hallway", "Please find a meeting room!", "explore, then go to the lab and return".
     known_types
         Semantic types that a place may have. A plural or a synonym of one of them is understood.
 
     Raises
     ------
     MissionError
-        If the sentence is none of the known forms, or its place none of the known types (the nearest are named).
+        If the words are none of the known forms, or a place none of the known types (the nearest are named).
     """
     try:
         tree = _grammar().parse(text.casefold())
     except UnexpectedInput:
-        raise MissionError(f"cannot read the mission {text!r}; expected for example 'go to the hallway'") from None
-    return Mission((GoTo(place_type(" ".join(_place(tree)), known_types)),))
+        raise MissionError(
+            f"cannot read the mission {text!r}; expected for example 'go to the hallway, then return'"
+        ) from None
+    types = tuple(known_types)
+    return Mission(tuple(_instruction(part, types) for part in tree.find_pred(_is_instruction)))
 
 
 def place_type(name: str, known_types: Iterable[str]) -> str:
@@ -107,9 +138,17 @@ def _forms(name: str) -> Iterator[str]:
             yield name[: -len(ending)] + singular
 
 
-def _place(tree: Tree[Token]) -> list[str]:
+def _is_instruction(tree: Tree[Token]) -> bool:
+    return tree.data in ("goto", "explore", "return")
+
+
+def _instruction(tree: Tree[Token], types: tuple[str, ...]) -> Instruction:
+    if tree.data == "explore":
+        return Explore()
+    if tree.data == "return":
+        return Return()
     (place,) = tree.find_data("place")
-    return [str(token) for token in place.children]
+    return GoTo(place_type(" ".join(map(str, place.children)), types))
 
 
 @cache

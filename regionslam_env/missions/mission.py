@@ -30,6 +30,22 @@ class Explore:
 
 
 @dataclass(frozen=True)
+class Return:
+    """Be back where the map was begun."""
+
+    def __str__(self) -> str:
+        return "return to the start"
+
+
+Instruction = GoTo | Explore | Return
+
+
+def goal_of(instruction: Instruction) -> str | None:
+    """Return the semantic type that an instruction leads to, None where it leads to none."""
+    return instruction.type if isinstance(instruction, GoTo) else None
+
+
+@dataclass(frozen=True)
 class Mission:
     """Instructions to follow in order.
 
@@ -39,11 +55,16 @@ class Mission:
         At least one.
     """
 
-    instructions: tuple[GoTo, ...]
+    instructions: tuple[Instruction, ...]
 
     def __post_init__(self) -> None:
         if not self.instructions:
             raise ValueError("a mission has at least one instruction; got none")
+
+    @property
+    def types(self) -> tuple[str, ...]:
+        """Semantic types that it leads to, each once."""
+        return tuple(dict.fromkeys(filter(None, map(goal_of, self.instructions))))
 
     def __str__(self) -> str:
         return ", then ".join(str(instruction) for instruction in self.instructions)

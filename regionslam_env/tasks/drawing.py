@@ -7,6 +7,8 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from regionslam_env.errors import ConfigError, unknown
+from regionslam_env.missions.mission import Mission
+from regionslam_env.tasks.start import Pose
 from regionslam_env.tasks.task import DrawnMission, Task
 from regionslam_env.worlds.source import PER_SPLIT, WorldSource
 from regionslam_env.worlds.world import World
@@ -24,10 +26,8 @@ class MissionSource:
         Where worlds come from.
     task_in
         Returns the task in a world.
-    goal
-        The goal type of every episode; None: drawn for each.
-    types
-        What a goal can be.
+    mission
+        That of every episode; None: drawn for each.
 
     Attributes
     ----------
@@ -37,23 +37,20 @@ class MissionSource:
     Raises
     ------
     ConfigError
-        For a goal that cannot be one.
+        For a mission to what the only world there is does not have.
     """
 
-    def __init__(
-        self, worlds: WorldSource, task_in: Callable[[World], Task], goal: str | None, types: Sequence[str]
-    ) -> None:
-        self._worlds, self._task_in, self._goal, self._types = worlds, task_in, goal, tuple(types)
+    def __init__(self, worlds: WorldSource, task_in: Callable[[World], Task], mission: Mission | None) -> None:
+        self._worlds, self._task_in, self._mission = worlds, task_in, mission
         self.task = task_in(worlds.world(0))
         self._number: int | None = None
-        if goal is not None:
-            self._check(goal)
+        self._chosen(None)
 
     def draw(
         self,
         rng: np.random.Generator,
         world_rng: np.random.Generator,
-        goal: str | None = None,
+        mission: Mission | None = None,
         start: Sequence[float] | None = None,
         number: int | None = None,
     ) -> tuple[DrawnMission, int | None]:
@@ -62,20 +59,20 @@ class MissionSource:
         Raises
         ------
         ConfigError
-            Where the goal cannot be reached, the start is not free, no place is far enough from the goal, or the world
+            Where a goal cannot be reached, the start is not free, no place is far enough from the goal, or the world
             has no number.
         """
-        goal = self._checked(goal)
+        mission = self._chosen(mission)
         if self._worlds.kind is None:
             if number is not None:
                 name = self.task.world.name
                 raise ConfigError(f"world_seed is {number!r}, expected none: world {name!r} is always the same")
-            return self.task.draw(rng, goal, start), None
+            return self.task.draw(rng, mission, start), None
         if number is not None or start is not None:
-            return self._enter(int(world_rng.integers(PER_SPLIT)) if number is None else number, rng, goal, start)
+            return self._enter(int(world_rng.integers(PER_SPLIT)) if number is None else number, rng, mission, start)
         for _ in range(WORLD_TRIES):
             try:
-                return self._enter(int(world_rng.integers(PER_SPLIT)), rng, goal, None)
+                return self._enter(int(world_rng.integers(PER_SPLIT)), rng, mission, None)
             except ConfigError as error:
                 last = error
         raise ConfigError(f"none of {WORLD_TRIES} worlds of kind {self._worlds.kind!r} will do; the last one: {last}")
@@ -83,12 +80,18 @@ class MissionSource:
     def stay(
         self,
         rng: np.random.Generator,
-        pose: Sequence[float],
-        goal: str | None = None,
+        pose: Pose,
+        home: Pose,
+        mission: Mission | None = None,
         start: Sequence[float] | None = None,
         number: int | None = None,
     ) -> tuple[DrawnMission, int | None]:
         """Draw another mission in the world of the last one; without a start, the robot stays at its pose there.
+
+        Parameters
+        ----------
+        pose, home
+            The robot's, and the one at which the map was begun.
 
         Raises
         ------
@@ -98,35 +101,32 @@ class MissionSource:
         if number != self._number and number is not None:
             here = self._number if self._number is not None else repr(self.task.world.name)
             raise ConfigError(f"world_seed is {number!r}, expected that of the map to keep: {here}")
-        goal = self._checked(goal)
+        mission = self._chosen(mission)
         standing = start is None
-        return self.task.draw(rng, goal, pose if standing else start, standing=standing), self._number
+        drawn = self.task.draw(rng, mission, pose if standing else start, standing=standing, home=home)
+        return drawn, self._number
 
-    def _checked(self, goal: str | None) -> str | None:
-        """Return the goal to look for, the one of all missions where none is given."""
-        goal = self._goal if goal is None else goal
-        if goal is not None:
-            self._check(goal)
-        return goal
+    def _chosen(self, mission: Mission | None) -> Mission | None:
+        """Return the mission to give, the one of all episodes where none is given."""
+        mission = self._mission if mission is None else mission
+        if mission is not None and self._worlds.kind is None:
+            _check(mission, self.task.world)
+        return mission
 
     def _enter(
-        self, number: int, rng: np.random.Generator, goal: str | None, start: Sequence[float] | None
+        self, number: int, rng: np.random.Generator, mission: Mission | None, start: Sequence[float] | None
     ) -> tuple[DrawnMission, int]:
         """Draw a mission in a world of this number, which becomes that of the task unless there is none."""
         world = self._worlds.world(number)
-        if goal is not None and goal not in world.types:
-            raise ConfigError(f"world {world.name!r}: {unknown('goal', goal, set(world.types) & set(self._types))}")
+        if mission is not None:
+            _check(mission, world)
         task = self.task if world is self.task.world else self._task_in(world)
-        mission = task.draw(rng, goal, start)
+        drawn = task.draw(rng, mission, start)
         self.task, self._number = task, number
-        return mission, number
+        return drawn, number
 
-    def _check(self, goal: str) -> None:
-        if not self.task.takes_goal:
-            raise ConfigError(f"goal is {goal!r}, expected none: this task looks for no type of region")
-        known = set(self._types)
-        if self._worlds.kind is None:
-            known &= set(self.task.world.types)
-        if goal not in known:
-            name = self._worlds.kind or self.task.world.name
-            raise ConfigError(f"world {name!r}: {unknown('goal', goal, known)}")
+
+def _check(mission: Mission, world: World) -> None:
+    for region_type in mission.types:
+        if region_type not in world.types:
+            raise ConfigError(f"world {world.name!r}: {unknown('goal', region_type, world.types)}")

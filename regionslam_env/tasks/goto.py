@@ -4,52 +4,22 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
-from regionslam_env.errors import ConfigError, WorldError, unknown
-from regionslam_env.missions.mission import GoTo
-from regionslam_env.tasks.rewards import REWARD_SETS, goto_reward
-from regionslam_env.tasks.task import DrawnMission, Moment, Task, TaskSettings, Verdict, distance_from
-from regionslam_env.worlds.clearance import Grid
-from regionslam_env.worlds.flooding import Roots, foot, query
-from regionslam_env.worlds.geodesic import Field, Geodesic
+from regionslam_env.errors import ConfigError, unknown
+from regionslam_env.missions.mission import GoTo, Mission
+from regionslam_env.tasks.approach import Approach, Outcome
+from regionslam_env.tasks.places import Rooms
+from regionslam_env.tasks.rewards import REWARD_SETS, RewardConfig, goto_reward
+from regionslam_env.tasks.start import Pose, checked_distance, checked_start, draw_start, from_start
+from regionslam_env.tasks.task import DrawnMission, Moment, Task, TaskSettings, Verdict
+from regionslam_env.worlds.geodesic import Geodesic
 from regionslam_env.worlds.world import World
-from slam.jit import njit
-
-STAY_SECONDS = 1.0
-"""How long the robot's centre has to be inside a goal region where arrival is not declared, s."""
+from slam.belief import Belief
 
 _NO_GOALS = frozenset({"door", "other"})  # passages and places without a name are drawn for nobody
-
-
-@dataclass(frozen=True)
-class GoToMission(DrawnMission):
-    """A drawn mission that has a goal."""
-
-    goal: str
-    shortest: float
-
-
-class Outcome(NamedTuple):
-    """What one step has brought.
-
-    Parameters
-    ----------
-    progress
-        Decrease of the geodesic distance to the goal, m.
-    inside
-        The robot's true centre is inside a goal region.
-    success, false_arrival
-        The mission ends with this step, well or with a wrong declaration.
-    """
-
-    progress: float
-    inside: bool
-    success: bool
-    false_arrival: bool
 
 
 class GoToTask(Task):
@@ -59,36 +29,49 @@ class GoToTask(Task):
     ----------
     world, geodesic, settings
         As in `Task`.
-    goal
-        The goal type of every episode; None: drawn for each.
+    rewards
+        Weights of the reward terms.
+    start_distance
+        Least geodesic distance of a drawn start from every goal region, m.
 
     Raises
     ------
     ConfigError
-        For a goal that is no type of this world.
+        For a distance that is none.
     """
 
-    takes_goal = True
-    reward_sets = REWARD_SETS
+    option = "goal"
 
-    def __init__(self, world: World, geodesic: Geodesic, settings: TaskSettings, goal: str | None = None) -> None:
+    def __init__(
+        self,
+        world: World,
+        geodesic: Geodesic,
+        settings: TaskSettings,
+        rewards: RewardConfig = REWARD_SETS["standard"],
+        start_distance: float = 2.0,
+    ) -> None:
         super().__init__(world, geodesic, settings)
-        self.goal, self.start_distance = goal, float(settings.start_distance)
-        self._steps_to_stay = max(1, math.ceil(STAY_SECONDS / settings.step - 1e-9))
-        types = tuple(settings.types)
-        rooms = {region.type for region in world.regions if region.parent is None}
-        self.goals = tuple(t for t in world.types if t in rooms and t in types and t not in _NO_GOALS)
-        self._types = types
-        if goal is not None:
-            self._check_goal(goal)
+        self.rewards, self.start_distance = rewards, checked_distance(start_distance)
+        self.goals = drawable_types(world, settings.types)
+
+    @classmethod
+    def read(cls, wanted: Any, types: Sequence[str]) -> Mission:
+        """Return the mission to go to a region of the type that is wanted."""
+        if not isinstance(wanted, str):
+            raise ConfigError(f"goal is {wanted!r}, expected a semantic type such as 'hallway'")
+        if wanted not in types:
+            raise ConfigError(unknown("goal", wanted, types))
+        return Mission((GoTo(wanted),))
 
     def draw(
         self,
         rng: np.random.Generator,
-        goal: str | None = None,
+        mission: Mission | None = None,
         start: Sequence[float] | None = None,
+        *,
         standing: bool = False,
-    ) -> GoToMission:
+        home: Pose | None = None,
+    ) -> DrawnMission:
         """Draw what is not given and begin the episode.
 
         A robot that is `standing` at the start may touch something, and a goal that is drawn for it is at least
@@ -99,102 +82,80 @@ class GoToTask(Task):
         ConfigError
             Where the goal cannot be reached, the start is not free, or no place is far enough from the goal.
         """
-        goal = self.goal if goal is None else goal
-        if goal is not None:
-            self._check_goal(goal)
-            mission = self._mission(rng, goal, start, standing)
+        if mission is None:
+            goal, pose, shortest = self._any(rng, start, standing)
         else:
-            mission = self._any_mission(rng, start, standing)
-        roots = self._field_of(mission.goal).roots
-        self._roots = (tuple(roots.grid), *roots[1:])
-        self._remaining = mission.shortest
-        self._stayed = 0
-        return mission
+            (goal,) = mission.types
+            goal, pose, shortest = self._towards(rng, goal, start, standing)
+        self._instruction = GoTo(goal)
+        self._approach = Approach(self.geodesic, Rooms(self.geodesic, goal), self.settings)
+        self._approach.begin(shortest)
+        self._done = False
+        return DrawnMission(Mission((self._instruction,)), pose, shortest)
 
     def judge(self, x: float, y: float, declared: bool) -> Outcome:
         """Judge a step that ends at this true position (world frame, m)."""
-        distance, within = judge(self._roots, x, y)
-        remaining, inside = float(distance), bool(within)  # not NumPy's own, without the JIT
-        if not math.isfinite(remaining):  # squeezed against something: no nearer, no farther
-            remaining = self._remaining
-        progress, self._remaining = self._remaining - remaining, remaining
-        self._stayed = self._stayed + 1 if inside else 0
-        if self.settings.declares:
-            return Outcome(progress, inside, declared and inside, declared and not inside)
-        return Outcome(progress, inside, self._stayed >= self._steps_to_stay, False)
+        return self._approach.step(x, y, declared)
 
     def verdict(self, moment: Moment) -> Verdict:
         """Judge a step by where it ends and what is declared there."""
         x, y, _ = moment.pose.tolist()
         outcome = self.judge(x, y, moment.declared)
+        self._done = outcome.success
         terms = goto_reward(self.rewards, outcome.progress, outcome.success, moment.collided, outcome.false_arrival)
         return Verdict(terms, outcome.success, outcome.success or outcome.false_arrival)
 
     @property
+    def instruction(self) -> GoTo:
+        """What the robot has to do now."""
+        return self._instruction
+
+    @property
+    def completed(self) -> float:
+        """1 once the robot has arrived, 0 before."""
+        return float(self._done)
+
+    def believed(self, belief: Belief) -> float:
+        """Return the probability, by the belief, of being in a region of the goal type."""
+        return belief.probability_in(self._instruction.type)
+
+    @property
     def remaining(self) -> float:
         """Geodesic distance to the goal after the last step, m."""
-        return self._remaining
+        return self._approach.remaining
 
-    def _check_goal(self, goal: str) -> None:
-        for known in (self.world.types, self._types):
-            if goal not in known:
-                raise ConfigError(f"world {self.world.name!r}: {unknown('goal', goal, set(known) & set(self._types))}")
-
-    def _field_of(self, goal: str) -> Field:
-        return self.geodesic.field(i for i, region in enumerate(self.world.regions) if region.type == goal)
-
-    def _any_mission(self, rng: np.random.Generator, start: Sequence[float] | None, standing: bool) -> GoToMission:
-        """Draw a goal among those that can be reached from somewhere far enough."""
+    def _any(self, rng: np.random.Generator, start: Sequence[float] | None, standing: bool) -> tuple[str, Pose, float]:
+        """Draw a goal among those that can be reached from somewhere far enough; see `_towards`."""
         reasons, near = [], []
         for k in rng.permutation(len(self.goals)):
             try:
-                mission = self._mission(rng, self.goals[k], start, standing)
+                drawn = self._towards(rng, self.goals[k], start, standing)
             except ConfigError as error:
                 reasons.append(str(error))
                 continue
-            if not standing or mission.shortest >= self.start_distance:
-                return mission
-            near.append(mission)
+            if not standing or drawn[2] >= self.start_distance:
+                return drawn
+            near.append(drawn)
         if near:
-            return max(near, key=lambda mission: mission.shortest)
+            return max(near, key=lambda drawn: drawn[2])
         raise ConfigError(reasons[0] if reasons else f"world {self.world.name!r} has no region that can be a goal")
 
-    def _mission(
+    def _towards(
         self, rng: np.random.Generator, goal: str, start: Sequence[float] | None, standing: bool
-    ) -> GoToMission:
-        field = self._field_of(goal)
+    ) -> tuple[str, Pose, float]:
+        """Draw a start, or check the one given; return goal, start, and the distance between them, m."""
+        field = Rooms(self.geodesic, goal).field
         if start is None:
-            try:
-                x, y = self.geodesic.sample_free(rng, field, at_least=self.start_distance)
-            except WorldError as error:
-                raise ConfigError(self._no_start(goal, field)) from error
-            theta = float(rng.uniform(-math.pi, math.pi))
+            pose = draw_start(rng, self.geodesic, field, goal, self.start_distance)
         else:
-            x, y, theta = self.checked(start, standing)
-        shortest = distance_from(field, (x, y, theta), standing)
+            pose = checked_start(self.geodesic, start, standing)
+        shortest = from_start(field.at, pose, standing)
         if not math.isfinite(shortest):
-            raise ConfigError(f"world {self.world.name!r}: no way from ({x:.2f}, {y:.2f}) to any {goal!r}")
-        return GoToMission(str(GoTo(goal)), (x, y, theta), goal, shortest)
-
-    def _no_start(self, goal: str, field: Field) -> str:
-        reach = field.roots.value[np.isfinite(field.roots.value)]
-        prefix = f"world {self.world.name!r}: "
-        if not len(reach):
-            return f"{prefix}no {goal!r} can be reached by the robot"
-        return (
-            f"{prefix}no free place is {self.start_distance:g} m or more from every {goal!r}: "
-            f"the farthest is {reach.max():.1f} m away"
-        )
+            raise ConfigError(f"world {self.world.name!r}: no way from ({pose[0]:.2f}, {pose[1]:.2f}) to any {goal!r}")
+        return goal, pose, shortest
 
 
-@njit
-def judge(field: Any, x: float, y: float) -> Any:
-    """Return the distance from a point to the goal, and whether it is inside one of the goal's rectangles.
-
-    `field` holds the parts of `Roots`, and those of its grid, as plain tuples: Numba unpacks them ten times faster.
-    """
-    roots = Roots(Grid(*field[0]), *field[1:])
-    inside = False
-    for g in range(len(roots.goals)):
-        inside = inside or foot(roots.goals[g], x, y)[2] == 0
-    return 0.0 if inside else query(roots, x, y)[0], inside
+def drawable_types(world: World, types: Sequence[str]) -> tuple[str, ...]:
+    """Return the types, out of these, that a drawn mission may lead to: those of the world's rooms."""
+    rooms = {region.type for region in world.regions if region.parent is None}
+    return tuple(t for t in world.types if t in rooms and t in types and t not in _NO_GOALS)

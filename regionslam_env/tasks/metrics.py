@@ -1,8 +1,9 @@
 """Metrics of one episode, each defined for every case; None (null in JSON), never NaN, where one has no meaning.
 
 Distances are geodesic, for a disc of the robot's radius, until its centre is inside the *nearest* region of the goal
-type; where there is no goal, these and what the robot believes of it are None. Pose errors are taken in the map frame
-against the true pose relative to the start, without any alignment.
+type; in a mission of several instructions they are lengths of the shortest way that leads through all places in their
+order. Where something has to be mapped, these and what the robot believes of it are None. Pose errors are taken in the
+map frame against the true pose relative to the start, without any alignment.
 """
 
 from __future__ import annotations
@@ -22,8 +23,9 @@ Floats = NDArray[np.float64]
 MAP_METRICS = ("region_precision", "region_recall", "region_iou", "type_accuracy", "link_f1")
 """Metrics of the believed map, computed by `slam.evaluation.map_quality` at the end of an episode."""
 
-TASK_METRICS = ("explored", "closed_edges")
-"""Metrics of exploring: shares of the reachable regions that are mapped, and of their edges that are closed."""
+TASK_METRICS = ("completed", "explored", "closed_edges")
+"""Metrics of the task: shares of the instructions that are done, and, where the floor has to be mapped, of the
+reachable regions that are mapped and of their edges that are closed."""
 
 METRICS = (
     *("success", "spl", "soft_spl", "distance_to_goal", "path_length", "collisions", "false_arrival"),
@@ -102,10 +104,9 @@ class EpisodeFacts:
     declared
         The robot declared its arrival; None where there is nothing to declare (``arrival="stay"``).
     believed
-        Probability, on the believed pose and map, of being in a region of the goal type at the end; None where there is
-        no goal.
+        Probability, on the believed pose and map, that the mission is done at the end; None where the robot can't tell.
     shortest, remaining
-        True geodesic distance to the goal at the start and at the end, m; None where there is no goal.
+        Length of the true shortest way at the start and at the end, m; None where no place has to be gone to.
     path_length, believed_path_length
         Length driven in truth and by odometry, m.
     collisions
@@ -127,9 +128,10 @@ def episode_metrics(
 ) -> dict[str, float | int | bool | None]:
     """Return every metric of `METRICS`.
 
-    ``belief_success`` is the robot's own verdict: it believes (P > 0.5) that it is in a region of the goal type, and
-    has declared so where declarations exist. ``belief_spl`` weights that verdict by the path odometry tells instead
-    of the true one; the shortest path stays the true one, which is how hard the mission was.
+    ``belief_success`` is the robot's own verdict: it believes (P > 0.5) that it is in a region of the goal type, all
+    earlier instructions being done, and has declared so where declarations exist. ``belief_spl`` weights that verdict
+    by the path odometry tells instead of the true one; the shortest path stays the true one, which is how hard the
+    mission was.
     """
     path, shortest, remaining = facts.path_length, facts.shortest, facts.remaining
     belief_success = None if facts.believed is None else facts.believed > 0.5 and facts.declared is not False

@@ -66,7 +66,37 @@ class ExploreRewardConfig:
     false_arrival: float = -10.0
 
 
-Rewards = RewardConfig | ExploreRewardConfig
+@dataclass(frozen=True)
+class MissionRewardConfig:
+    """Weights of the reward terms of missions.
+
+    Parameters
+    ----------
+    progress
+        Per metre by which the way through all places, up to the next exploration, has become shorter.
+    recall, edges
+        As in `ExploreRewardConfig`, while the robot explores.
+    instruction
+        Once for every instruction that is done.
+    success
+        Once, when the last one is done.
+    time
+        In every step.
+    collision
+        In every step in which the robot touches something.
+    false_arrival
+        Once, when the robot declares that an instruction is done and it is not.
+    """
+
+    progress: float = 1.0
+    recall: float = 20.0
+    edges: float = 10.0
+    instruction: float = 5.0
+    success: float = 10.0
+    time: float = -0.002
+    collision: float = -0.05
+    false_arrival: float = -10.0
+
 
 REWARD_SETS: Mapping[str, RewardConfig] = {
     "standard": RewardConfig(),
@@ -80,7 +110,22 @@ EXPLORE_REWARD_SETS: Mapping[str, ExploreRewardConfig] = {
 }
 """The same of exploring."""
 
-R = TypeVar("R", RewardConfig, ExploreRewardConfig)
+MISSION_REWARD_SETS: Mapping[str, MissionRewardConfig] = {
+    "standard": MissionRewardConfig(),
+    "sparse": MissionRewardConfig(
+        progress=0.0,
+        recall=0.0,
+        edges=0.0,
+        instruction=0.0,
+        success=1.0,
+        time=0.0,
+        collision=0.0,
+        false_arrival=0.0,
+    ),
+}
+"""The same of missions."""
+
+R = TypeVar("R", RewardConfig, ExploreRewardConfig, MissionRewardConfig)
 
 
 def reward_set(reward: str | Mapping[str, Any] | R | None, sets: Mapping[str, R]) -> R:
@@ -145,6 +190,43 @@ def explore_reward(
     return {
         "recall": weights.recall * recall,
         "edges": weights.edges * edges,
+        "success": weights.success if success else 0.0,
+        "time": weights.time,
+        "collision": weights.collision if collided else 0.0,
+        "false_arrival": weights.false_arrival if false_arrival else 0.0,
+    }
+
+
+def mission_reward(
+    weights: MissionRewardConfig,
+    progress: float,
+    recall: float,
+    edges: float,
+    done: bool,
+    success: bool,
+    collided: bool,
+    false_arrival: bool,
+) -> dict[str, float]:
+    """Return the terms of one step's reward by name; the reward is their sum.
+
+    Parameters
+    ----------
+    weights
+        What each term pays.
+    progress
+        Decrease in this step of the way through all places, m.
+    recall, edges
+        Increase in this step of the shares of regions mapped and of edges closed.
+    done, success
+        The step does an instruction; it is the last one.
+    collided, false_arrival
+        What happened in this step.
+    """
+    return {
+        "progress": weights.progress * progress,
+        "recall": weights.recall * recall,
+        "edges": weights.edges * edges,
+        "instruction": weights.instruction if done else 0.0,
         "success": weights.success if success else 0.0,
         "time": weights.time,
         "collision": weights.collision if collided else 0.0,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -12,15 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from regionslam_env.errors import ConfigError
-from regionslam_env.tasks.rewards import Rewards
-from regionslam_env.worlds.geodesic import Field, Geodesic
+from regionslam_env.missions.mission import Instruction, Mission
+from regionslam_env.tasks.start import Pose
+from regionslam_env.worlds.geodesic import Geodesic
 from regionslam_env.worlds.world import World
 from slam.belief import Belief
-
-Pose = tuple[float, float, float]
-
-CONTACT = 0.03
-"""How far a touching robot is moved to measure its distance, m; contacts overlap by less than half of that."""
 
 
 @dataclass(frozen=True)
@@ -29,25 +24,22 @@ class DrawnMission:
 
     Parameters
     ----------
-    text
-        In words.
+    mission
+        What is to be done.
     start
         Pose (x, y, theta) in the world frame, m and rad.
-    goal
-        Semantic type to go to; None where there is none.
     shortest
-        Geodesic distance from the start into the nearest goal region, m; None without a goal.
+        Length of the shortest way from the start, m; None where no place has to be gone to.
     """
 
-    text: str
+    mission: Mission
     start: Pose
-    goal: str | None
     shortest: float | None
 
 
 @dataclass(frozen=True)
 class TaskSettings:
-    """What an environment tells its task.
+    """What an environment tells every task.
 
     Parameters
     ----------
@@ -55,28 +47,13 @@ class TaskSettings:
         Semantic types that an observation can tell apart: what a goal can be.
     step
         Duration of a step, s.
-    rewards
-        Weights of the reward terms, of the task's own kind; None for its standard ones.
     declares
         Whether the robot declares that it is done.
-    start_distance
-        Least geodesic distance of a drawn start from every goal region, m.
-    map_share
-        Share of the reachable regions that have to be mapped.
     """
 
     types: Sequence[str]
     step: float = 0.1
-    rewards: Rewards | None = None
     declares: bool = False
-    start_distance: float = 2.0
-    map_share: float = 0.9
-
-    def __post_init__(self) -> None:
-        if not (math.isfinite(self.start_distance) and self.start_distance >= 0):
-            raise ConfigError(f"start_distance is {self.start_distance!r}, expected a length of at least 0 m")
-        if not (isinstance(self.map_share, int | float) and 0 < self.map_share <= 1):
-            raise ConfigError(f"map_share is {self.map_share!r}, expected a share above 0 and up to 1")
 
 
 class Moment(NamedTuple):
@@ -120,32 +97,55 @@ class Task(ABC):
     world, geodesic
         The truth, and shortest distances in it.
     settings
-        What the environment tells its task.
+        What the environment tells every task.
     """
 
-    takes_goal: ClassVar[bool]
-    """Whether a semantic type is looked for."""
-    reward_sets: ClassVar[Mapping[str, Any]]
-    """Weights of its reward terms by name, "standard" among them."""
+    option: ClassVar[str | None] = None
+    """The argument, and the option of a reset, that says what is to be done; None where there is nothing to choose."""
 
     def __init__(self, world: World, geodesic: Geodesic, settings: TaskSettings) -> None:
         self.world, self.geodesic, self.settings = world, geodesic, settings
-        self.rewards: Any = self.reward_sets["standard"] if settings.rewards is None else settings.rewards
+
+    @classmethod
+    def read(cls, wanted: Any, types: Sequence[str]) -> Mission:
+        """Return the mission that the value of `option` stands for, of places with these types.
+
+        Raises
+        ------
+        ConfigError
+            For a value that stands for none.
+        """
+        raise ConfigError(f"{cls.option} is {wanted!r}, expected none: this task is always the same")
 
     @abstractmethod
     def draw(
         self,
         rng: np.random.Generator,
-        goal: str | None = None,
+        mission: Mission | None = None,
         start: Sequence[float] | None = None,
+        *,
         standing: bool = False,
+        home: Pose | None = None,
     ) -> DrawnMission:
-        """Draw what is not given and begin the episode; a robot that is `standing` may touch something.
+        """Draw what is not given and begin the episode.
+
+        Parameters
+        ----------
+        rng
+            Of missions and starts.
+        mission
+            What is to be done.
+        start
+            Pose (x, y, theta) in the world frame, m and rad.
+        standing
+            Whether the robot is there already; it may touch something then.
+        home
+            Pose at which the map was begun; None: the start.
 
         Raises
         ------
         ConfigError
-            For a goal or a start that cannot be one.
+            For a mission or a start that cannot be one.
         """
 
     @abstractmethod
@@ -153,34 +153,25 @@ class Task(ABC):
         """Judge a step, and return its reward."""
 
     @property
+    @abstractmethod
+    def instruction(self) -> Instruction:
+        """What the robot has to do now."""
+
+    @property
+    @abstractmethod
+    def completed(self) -> float:
+        """Share of the instructions that are done."""
+
+    def believed(self, belief: Belief) -> float | None:
+        """Return the probability, by the belief, that the mission is done; None where the robot cannot tell."""
+        return None
+
+    @property
     def remaining(self) -> float | None:
-        """Geodesic distance to the goal after the last step, m; None without a goal."""
+        """Length of the way that is left after the last step, m; None where no place has to be gone to."""
         return None
 
     @property
     def figures(self) -> Mapping[str, float | None]:
         """Metrics of its own after the last step, by name."""
         return {}
-
-    def checked(self, start: Sequence[float], standing: bool) -> Pose:
-        """Return a start as a pose, or refuse it."""
-        values = np.asarray(start, dtype=np.float64).tolist()
-        if not isinstance(values, list) or len(values) != 3 or not all(map(math.isfinite, values)):
-            raise ConfigError(f"start is {start!r}, expected a pose (x, y, theta) in m, m, rad")
-        x, y, theta = values
-        if not standing and not self.geodesic.free(x, y):
-            radius = self.geodesic.radius
-            raise ConfigError(
-                f"world {self.world.name!r}: start ({x:g}, {y:g}) is not free for a robot of {radius:g} m radius"
-            )
-        return x, y, theta
-
-
-def distance_from(field: Field, start: Pose, standing: bool) -> float:
-    """Return the distance from a start, m: from beside it where a standing robot is squeezed against something."""
-    x, y, _ = start
-    here = field.at(x, y)
-    if math.isfinite(here) or not standing:
-        return here
-    turns = np.linspace(0, 2 * math.pi, 8, endpoint=False).tolist()
-    return min(field.at(x + CONTACT * math.cos(turn), y + CONTACT * math.sin(turn)) for turn in turns)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,6 +37,15 @@ def foot(goal: Array, x: float, y: float) -> tuple[float, float, float]:
 
 
 @njit
+def within(goals: Array, x: float, y: float) -> bool:
+    """Return whether a point is inside one of the rectangles."""
+    inside = False
+    for g in range(len(goals)):
+        inside = inside or foot(goals[g], x, y)[2] == 0
+    return inside
+
+
+@njit
 def see_goals(grid: Grid, points: Array, goals: Array, distance: Array) -> None:
     """Lower the distance of every corner that sees its nearest point of a goal rectangle."""
     for v in range(len(points)):
@@ -44,6 +53,48 @@ def see_goals(grid: Grid, points: Array, goals: Array, distance: Array) -> None:
             fx, fy, straight = foot(goals[g], points[v, 0], points[v, 1])
             if straight < distance[v] and rolls_straight(grid, points[v, 0], points[v, 1], fx, fy):
                 distance[v] = straight
+
+
+@njit
+def see_points(grid: Grid, corners: Array, points: Array, offsets: Array, distance: Array, towards: Array) -> None:
+    """Lower the distance of every corner that sees one of some points; `towards` gets the point's number behind all."""
+    for v in range(len(corners)):
+        for p in range(len(points)):
+            x, y = points[p, 0], points[p, 1]
+            through = offsets[p] + np.hypot(x - corners[v, 0], y - corners[v, 1])
+            if through < distance[v] and rolls_straight(grid, corners[v, 0], corners[v, 1], x, y):
+                distance[v], towards[v] = through, len(corners) + p
+
+
+@njit
+def mark_leaving(roots: Roots, part: Array, leaving: Array) -> None:
+    """Mark the nodes of a part of the floor at which a way leaves it, or ends in it.
+
+    Every other node of the part lies on a way to one of those, so none is needed to find the shortest.
+
+    Parameters
+    ----------
+    part
+        Which nodes belong to it, (nx * ny,).
+    leaving
+        The same of those that are marked; filled with False before.
+    """
+    grid = roots.grid
+    ny = grid.clearance.shape[1]
+    for node in np.flatnonzero(part):
+        i, j = node // ny, node % ny
+        root = int(roots.root[node])
+        if root < 0:
+            continue
+        x, y = grid.x0 + i * grid.step, grid.y0 + j * grid.step
+        value, px, py = through_root(roots, root, x, y)
+        straight = np.hypot(px - x, py - y)
+        if straight >= grid.step and value > 0:
+            ahead = (i + round((px - x) / straight)) * ny + j + round((py - y) / straight)
+            leaving[node] = not part[ahead]
+            continue
+        for beside in (node - ny, node + ny, node - 1, node + 1):  # where it ends, the rim will do
+            leaving[node] |= not part[beside] or roots.value[beside] > 0
 
 
 @njit
@@ -160,3 +211,9 @@ def query(roots: Roots, x: float, y: float) -> tuple[float, int]:
         if best_root >= 0:
             break
     return best, best_root
+
+
+@njit
+def distance_at(roots: Any, x: float, y: float) -> float:
+    """Return the distance from a point to the goal; `roots` holds the parts of `Roots` and of its grid."""
+    return query(Roots(Grid(*roots[0]), *roots[1:]), x, y)[0]

@@ -7,9 +7,10 @@ the root: its distance plus the straight line to it.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +18,18 @@ from numpy.typing import NDArray
 from regionslam_env.errors import WorldError, unknown
 from regionslam_env.worlds.clearance import clearance_grid, exact_clearance, rolls_straight, shapes_of
 from regionslam_env.worlds.corners import Corners, corners_of, relax_corners
-from regionslam_env.worlds.flooding import Roots, flood, foot, query, see_goals
+from regionslam_env.worlds.flooding import (
+    Roots,
+    distance_at,
+    flood,
+    foot,
+    mark_leaving,
+    query,
+    see_goals,
+    see_points,
+    through_root,
+    within,
+)
 from regionslam_env.worlds.world import World
 from slam.rows import Floats
 
@@ -35,7 +47,7 @@ class Field:
     Parameters
     ----------
     goals
-        Indices of the regions in `World.regions`.
+        Indices of the regions in `World.regions`; empty for a field to points.
     roots
         The field itself.
     towards
@@ -48,7 +60,16 @@ class Field:
 
     def at(self, x: float, y: float) -> float:
         """Return the distance (m) from a point until the centre is inside a goal region; infinite if it cannot be."""
-        return float(query(self.roots, x, y)[0])
+        return float(distance_at(self._plain, x, y))
+
+    def inside(self, x: float, y: float) -> bool:
+        """Return whether a point is inside a goal region."""
+        return bool(within(self.roots.goals, x, y))
+
+    @cached_property
+    def _plain(self) -> tuple[Any, ...]:
+        """The roots, and their grid, as plain tuples: Numba unpacks them ten times faster."""
+        return (tuple(self.roots.grid), *self.roots[1:])
 
     @property
     def nodes(self) -> Floats:
@@ -65,6 +86,8 @@ class Field:
         while 0 <= root < len(corners):
             points.append((float(corners[root, 0]), float(corners[root, 1])))
             root = int(self.towards[root])
+        if not len(self.roots.goals):
+            return np.array(points)
         feet = [foot(goal, *points[-1]) for goal in self.roots.goals]
         seen = [f for f in feet if rolls_straight(self.roots.grid, *points[-1], f[0], f[1])] or feet
         last = min(seen, key=lambda f: f[2])
@@ -136,6 +159,70 @@ class Geodesic:
             corner = int(towards[corner])
         return np.array([*path, end])
 
+    def field_to_points(self, points: Floats, offsets: Floats) -> Field:
+        """Return the field of the distance to the best of some points, to which an offset of its own is added.
+
+        Parameters
+        ----------
+        points
+            Free points, shape (P, 2), m.
+        offsets
+            Shape (P,), m.
+        """
+        corners = self.corners
+        n = len(corners.points)
+        distance, towards = np.full(n, np.inf), np.full(n, -1, dtype=np.int64)
+        see_points(self.grid, corners.points, points, offsets, distance, towards)
+        relax_corners(corners, distance, towards, np.empty(n, np.int64), np.full(n, -1))
+        return self._flooded(
+            (),
+            np.vstack([corners.points, points]),
+            np.concatenate([distance, offsets]),
+            np.concatenate([towards, np.full(len(points), -1, dtype=np.int64)]),
+            np.zeros((0, 8)),
+        )
+
+    def field_through(self, nodes: NDArray[np.bool_], contains: Callable[[float, float], bool], beyond: Field) -> Field:
+        """Return the field of the length of the shortest way into a part of the floor and from there along a field.
+
+        Inside of that part the way is the one of `beyond`. A way leaves the part at one of finitely many points, less
+        than a step of the grid from each other: it may be longer than the shortest by a part of that.
+
+        Parameters
+        ----------
+        nodes
+            Which nodes of the grid belong to the part and are free, (nx, ny).
+        contains
+            Whether a point belongs to it.
+        beyond
+            Length of the way from there.
+        """
+        leaving = np.zeros(nodes.size, dtype=bool)
+        mark_leaving(beyond.roots, nodes.ravel(), leaving)
+        exits = [self._exit(int(node), contains, beyond.roots) for node in np.flatnonzero(leaving)]
+        points = np.array(exits, dtype=np.float64).reshape(-1, 3)
+        return self.field_to_points(points[:, :2].copy(), np.maximum(0.0, points[:, 2]))
+
+    def _exit(self, node: int, contains: Callable[[float, float], bool], roots: Roots) -> tuple[float, float, float]:
+        """Return the point at which the way from a node leaves a part of the floor, and the length of its rest, m."""
+        i, j = divmod(node, self.grid.clearance.shape[1])
+        x, y, value = self.grid.x0 + i * STEP, self.grid.y0 + j * STEP, float(roots.value[node])
+        _, px, py = through_root(roots, int(roots.root[node]), x, y)
+        straight = float(np.hypot(px - x, py - y))
+        if value <= 0 or straight == 0 or not contains(x, y):
+            return x, y, value
+        dx, dy = (px - x) / straight, (py - y) / straight
+        inside, outside = 0.0, min(straight, 2 * STEP)
+        if contains(x + outside * dx, y + outside * dy):
+            return x, y, value
+        for _ in range(10):
+            middle = (inside + outside) / 2
+            if contains(x + middle * dx, y + middle * dy):
+                inside = middle
+            else:
+                outside = middle
+        return x + inside * dx, y + inside * dy, value - inside
+
     def sample_free(
         self,
         rng: np.random.Generator,
@@ -197,16 +284,21 @@ class Geodesic:
 
     def _field(self, indices: tuple[int, ...]) -> Field:
         goals = _rectangles(self.world, indices)
-        corners = self.corners
         distance, towards = self._to_goals(goals)
+        return self._flooded(indices, self.corners.points, distance, towards, goals)
+
+    def _flooded(
+        self, goals: tuple[int, ...], points: Floats, distance: Floats, towards: NDArray[np.int64], rectangles: Floats
+    ) -> Field:
+        """Return the field of some roots: points, whose distances are known, and rectangles of the goal."""
         behind = np.argsort(towards, kind="stable")
         behind = behind[np.isfinite(distance[behind])]
         first = np.searchsorted(towards[behind], np.arange(-1, len(towards) + 1)).astype(np.int64)
         nodes = self.grid.clearance.size
         root, value = np.full(nodes, -1), np.full(nodes, np.inf)
-        roots = Roots(self.grid, corners.points, distance, goals, first, behind, root, value)
+        roots = Roots(self.grid, points, distance, rectangles, first, behind, root, value)
         flood(roots, np.empty(nodes, np.int64), np.full(nodes, -1), np.full(nodes, -1), np.empty(256, np.int64))
-        return Field(indices, roots, towards)
+        return Field(goals, roots, towards)
 
     def _to_goals(self, goals: Floats) -> tuple[Floats, NDArray[np.int64]]:
         """Return each corner's distance to the nearest of some rectangles (m), and its next corner on the way or -1."""
@@ -238,6 +330,12 @@ class Geodesic:
 def _point(place: tuple[float, float]) -> Floats:
     """Return a point as a rectangle without extent, (1, 8)."""
     return np.array([[place[0], place[1], 1.0, 0.0, 0.0, 0.0, 0.0, 0.0]])
+
+
+@lru_cache(maxsize=8)
+def shared_geodesic(world: World, radius: float) -> Geodesic:
+    """Return the shortest distances in a world, the same ones to everybody who asks: worlds are immutable."""
+    return Geodesic(world, radius)
 
 
 def _rectangles(world: World, indices: Iterable[int]) -> Floats:

@@ -10,7 +10,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from regionslam_env.observations import LinkColumn, LinkKind, Observation, RegionColumn, link_table, region_table
+from regionslam_env.missions.mission import Mission
+from regionslam_env.observations import (
+    LinkColumn,
+    LinkKind,
+    Observation,
+    ProgressColumn,
+    RegionColumn,
+    link_table,
+    region_table,
+)
 from slam.belief import Belief
 from slam.edges import distance_to
 from slam.measurement import Scan
@@ -34,7 +43,7 @@ class Situation:
     Parameters
     ----------
     mission
-        In words.
+        What is to be done.
     observation
         The padded one.
     belief
@@ -49,7 +58,7 @@ class Situation:
         Of the episode.
     """
 
-    mission: str
+    mission: Mission
     observation: Observation
     belief: Belief
     scan: Scan
@@ -62,9 +71,13 @@ class Situation:
         belief, observation = self.belief, self.observation
         x, y, heading = belief.pose_mean.tolist()
         speed, turn_rate = observation["velocity"].tolist()
-        elapsed, declared = observation["progress"].tolist()
+        elapsed, completed, declared = observation["progress"][: ProgressColumn.GO_TO].tolist()
         end = ", arrival declared" if declared else ""
+        instructions = self.mission.instructions
+        done = round(completed * len(instructions))
         yield f"Mission: {self.mission}."
+        if done < len(instructions) > 1:
+            yield f"Now: {instructions[done]} ({done + 1} of {len(instructions)})."
         yield f"Progress: {round(elapsed * self.max_steps)} of {self.max_steps} steps{end}."
         yield f"Place: {belief.map.describe(belief.pose_mean, probabilities=belief.where())}"
         yield f"Certainty: {certainty(belief)}"

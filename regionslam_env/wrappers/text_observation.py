@@ -27,11 +27,11 @@ SHORTEST = 200
 class TextObservation(gymnasium.ObservationWrapper[str, Any, Observation]):
     """Tells in plain English what the robot believes and senses, all from its own point of view.
 
-    One line each for mission, progress, place, certainty, pose, motion, obstacles by direction, and what was just seen;
-    then one for every region of the map: the number of its slot (what `SemanticActions` takes), name, distance and
-    bearing, size, doubts, where it may go on unseen, and links. Regions of the goal's type come first, then the
-    nearest. A text that would be too long ends with a whole line and a note of how many were left out. Names in other
-    scripts are written with the letters that `CHARACTERS` has, or "?".
+    One line each for mission, what of it is to be done now, progress, place, certainty, pose, motion, obstacles by
+    direction, and what was just seen; then one for every region of the map: the number of its slot (what
+    `SemanticActions` takes), name, distance and bearing, size, doubts, where it may go on unseen, and links. Regions of
+    the goal's type come first, then the nearest. A text that would be too long ends with a whole line and a note of how
+    many were left out. Names in other scripts are written with the letters that `CHARACTERS` has, or "?".
 
     Parameters
     ----------
@@ -56,7 +56,7 @@ class TextObservation(gymnasium.ObservationWrapper[str, Any, Observation]):
         """Return the observation in words."""
         env = self._env
         situation = Situation(
-            mission=env.mission_text,
+            mission=env.mission.mission,
             observation=observation,
             belief=env.belief,
             scan=env.scan,

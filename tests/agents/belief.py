@@ -62,7 +62,7 @@ def observe(
         "links_mask": np.zeros(4 * SLOTS, np.int8),
         "lidar": (np.full(180, 10.0) if lidar is None else lidar).astype(np.float32),
         "goal": (np.array(SEMANTIC_TYPES) == goal).astype(np.float32),
-        "progress": np.zeros(2, np.float32),
+        "progress": np.array([0, 0, 0, 1, 0, 0], np.float32),
     }
 
 

@@ -74,7 +74,7 @@ def test_a_failed_mission_has_exit_code_1(monkeypatch):
     assert result.exit_code == 1
     summary = last_json(result)
     assert summary["success"] is False and summary["false_arrival"] is False and summary["steps"] == 3
-    assert "never arrived" in result.stdout
+    assert "out of time, 0% of the instructions done" in result.stdout
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ from agents import play as module
 from agents.cli import app
 from agents.console import InputError
 from agents.play import play
-from regionslam_env.env import SemanticNavigationEnv
+from regionslam_env.envs import GoToEnv
 from tests.floors import two_rooms
 
 START = {"goal": "kitchen", "start": (2.0, 2.0, 0.0)}
@@ -42,7 +42,7 @@ class Pressing(gymnasium.Wrapper):
 
 
 def make(**kwargs):
-    return SemanticNavigationEnv(world=two_rooms(), render_mode="rgb_array", **kwargs)
+    return GoToEnv(world=two_rooms(), render_mode="rgb_array", **kwargs)
 
 
 @pytest.mark.compiled

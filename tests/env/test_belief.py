@@ -1,9 +1,10 @@
 import numpy as np
 import pytest
 
-from regionslam_env.belief import Localizer, inside_type, probability_in_type
+from regionslam_env.belief import Localizer
 from slam.config import SlamConfig
 from slam.measurement import RegionMeasurement, Scan
+from slam.mixture import weigh_inside
 from slam.motion import MotionNoise, Odometry
 from tests.env.believed import Believed
 
@@ -69,10 +70,10 @@ def test_probability_in_a_type_is_the_weight_of_the_particles_inside():
     built.put(2, 3, "hallway", at=(5.0, 0.0)).put(3, 4, "hallway", rival=0).put(4, 5, "hallway", sightings=2)
     built.set.particles["log_weight"] = np.log([0.5, 0.3, 0.2])
     built.set.particles["expected"][:, 0] = [0.0, 5.0, 20.0]
-    assert inside_type(built.set.particles, tuple(built.maps), OFFICE, 3) == pytest.approx(0.5)  # once, though in two
-    assert inside_type(built.set.particles, tuple(built.maps), HALLWAY, 3) == pytest.approx(0.3)
+    assert weigh_inside(built.set.particles, tuple(built.maps), OFFICE, 3) == pytest.approx(0.5)  # once, though in two
+    assert weigh_inside(built.set.particles, tuple(built.maps), HALLWAY, 3) == pytest.approx(0.3)
 
 
 def test_probability_in_a_type_nobody_has_seen_is_zero():
     belief = localizer("slam").step(Odometry(0.0), office_ahead(0, 0, 0), np.zeros(3))
-    assert probability_in_type(belief, "kitchen") == 0
+    assert belief.probability_in("kitchen") == 0

@@ -13,13 +13,14 @@ import pytest
 from gymnasium.error import ResetNeeded
 from gymnasium.utils.env_checker import check_env
 
+from regionslam_env.arguments import CommonArguments
 from regionslam_env.config import SEMANTIC_TYPES
 from regionslam_env.env import SemanticNavigationEnv
+from regionslam_env.envs import ExploreEnv, GoToEnv, MissionEnv
 from regionslam_env.observations import RegionColumn, region_table
 from regionslam_env.registration import ENVIRONMENTS
-from regionslam_env.tasks.kinds import TASKS
 from regionslam_env.tasks.metrics import METRICS
-from regionslam_env.tasks.rewards import ExploreRewardConfig, RewardConfig
+from regionslam_env.tasks.rewards import ExploreRewardConfig, MissionRewardConfig, RewardConfig
 from regionslam_env.worlds.format import save_world
 from tests.floors import two_rooms
 
@@ -30,9 +31,9 @@ OFFICE, KITCHEN = (3.0, 2.0, 0.0), (9.0, 2.0, 0.0)
 compiled_only = pytest.mark.compiled
 
 
-def make(**kwargs):
+def make(env_class=GoToEnv, **kwargs):
     """Return an environment on a floor of two rooms."""
-    return SemanticNavigationEnv(**({"world": FLOOR} | kwargs))
+    return env_class(**({"world": FLOOR} | kwargs))
 
 
 @pytest.fixture(scope="module")
@@ -110,8 +111,8 @@ def test_the_spec_is_plain_data(env_id, floor):
 def test_an_id_is_what_its_entry_says_and_comes_back_from_json_as_it_was(env_id, floor):
     env = gymnasium.make(env_id, world=floor, max_steps=50)
     copy = gymnasium.make(gymnasium.envs.registration.EnvSpec.from_json(env.spec.to_json()))
-    told = {**ENVIRONMENTS[env_id], "max_steps": 50}
-    assert isinstance(env.unwrapped.task, TASKS[told.pop("task", "goto")])
+    told = {**ENVIRONMENTS[env_id]["kwargs"], "max_steps": 50}
+    assert type(env.unwrapped).__name__ == env_id.split("/")[1].split("-")[0] + "Env"
     assert all(getattr(env.unwrapped, name) == value for name, value in told.items())
     assert equal(env.reset(seed=3), copy.reset(seed=3))
     other = pickle.loads(pickle.dumps(env.unwrapped))
@@ -250,7 +251,7 @@ def test_metrics_come_with_the_last_info_only():
     assert all(set(result[4]) == {"reward_terms"} for result in before)
     assert set(last[4]) == {"reward_terms", *METRICS}
     assert last[3] is True and last[2] is False and last[4]["success"] is False
-    assert last[4]["false_arrival"] is None and last[0]["progress"].tolist() == [1, 0]
+    assert last[4]["false_arrival"] is None and last[0]["progress"].tolist() == [1, 0, 0, 1, 0, 0]
     assert not any(isinstance(v, float) and np.isnan(v) for v in last[4].values() if v is not None)
 
 
@@ -325,10 +326,13 @@ def test_types_outside_the_vocabulary_are_observed_as_other():
     [
         ({"world": "institut"}, "did you mean 'institute'"),
         ({"localization": "orakle"}, "did you mean 'oracle'"),
-        ({"task": "explor"}, "did you mean 'explore'"),
-        ({"task": "explore", "goal": "kitchen"}, "goal is 'kitchen', expected none"),
-        ({"task": "explore", "map_share": 0}, "map_share is 0"),
-        ({"task": "explore", "reward": {"edgs": 1}}, "did you mean 'edges'"),
+        ({"env_class": MissionEnv, "mission": "go to the kitchn"}, "did you mean 'kitchen'"),
+        ({"env_class": MissionEnv, "mission": "go to the meeting room"}, "unknown goal 'meeting room'"),
+        ({"env_class": MissionEnv, "mission": 3}, "mission is 3, expected words such as"),
+        ({"env_class": MissionEnv, "n_goals": 0}, "n_goals is 0"),
+        ({"goal": ["kitchen"]}, "goal is ['kitchen'], expected a semantic type"),
+        ({"env_class": ExploreEnv, "map_share": 0}, "map_share is 0"),
+        ({"env_class": ExploreEnv, "reward": {"edgs": 1}}, "did you mean 'edges'"),
         ({"arrival": "declares"}, "did you mean 'declare'"),
         ({"split": "tests"}, "did you mean 'test'"),
         ({"goal": "kitchn"}, "did you mean 'kitchen'"),
@@ -374,20 +378,34 @@ def test_the_page_tells_the_spaces_as_they_are(env):
     assert "`Box(-1, 1, (2,), float32)`" in page and env.action_space == gymnasium.spaces.Box(-1, 1, (2,), np.float32)
 
 
-def test_the_page_tells_every_argument_and_reward():
-    page = SemanticNavigationEnv.__doc__
-    arguments = page[page.index("## Arguments") : page.index("## Version")]
+def defaults(function):
+    """Return the default of every argument that has one, in their order."""
+    parameters = inspect.signature(function).parameters.values()
+    return {p.name: p.default for p in parameters if p.default is not inspect.Parameter.empty}
+
+
+@pytest.mark.parametrize("env_class", [SemanticNavigationEnv, GoToEnv, ExploreEnv, MissionEnv])
+def test_the_page_tells_every_argument(env_class):
+    arguments = re.search(r"## Arguments(.*?)(\n\s*## |$)", env_class.__doc__, re.DOTALL)[1]
     told = dict(re.findall(r"^\s*\| (\w+) \| (.*?) \|", arguments, re.MULTILINE)[1:])
-    signature = inspect.signature(SemanticNavigationEnv.__init__).parameters
-    true = {name: p.default for name, p in signature.items() if name != "self"}
+    true = defaults(env_class.__init__)
     assert list(told) == list(true)
     for name, default in told.items():
         assert eval(default.strip("`"), {"SEMANTIC_TYPES": SEMANTIC_TYPES}) == true[name], name
-    rewards = page[page.index("## Rewards") : page.index("## Starting")]
-    parts = rewards.split('With `task="explore"`')
-    for part, weights in zip(parts, (RewardConfig(), ExploreRewardConfig()), strict=True):
-        told = {k: float(v) for k, v in re.findall(r"^\s*\| (\w+) \| (-?[\d.]+)", part, re.MULTILINE)}
-        assert told == dataclasses.asdict(weights)
+
+
+def test_every_common_argument_is_typed_where_the_environments_hand_it_on():
+    assert list(CommonArguments.__annotations__) == list(defaults(SemanticNavigationEnv.__init__))
+
+
+@pytest.mark.parametrize(
+    ("env_class", "weights"),
+    [(GoToEnv, RewardConfig()), (ExploreEnv, ExploreRewardConfig()), (MissionEnv, MissionRewardConfig())],
+)
+def test_the_page_tells_every_reward(env_class, weights):
+    rewards = re.search(r"## Rewards(.*?)\n\s*## ", env_class.__doc__, re.DOTALL)[1]
+    told = {name: float(weight) for name, weight in re.findall(r"^\s*\| (\w+) \| (-?[\d.]+)", rewards, re.MULTILINE)}
+    assert told == dataclasses.asdict(weights)
 
 
 @compiled_only

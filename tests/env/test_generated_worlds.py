@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
 
-from regionslam_env.env import SemanticNavigationEnv
+from regionslam_env.envs import GoToEnv
 from regionslam_env.errors import ConfigError
 from regionslam_env.worlds.generate.generator import KINDS
 from regionslam_env.worlds.source import SPLITS, world_seed
@@ -19,7 +19,7 @@ compiled_only = pytest.mark.compiled
 
 @pytest.fixture(scope="module")
 def env():
-    return SemanticNavigationEnv(world="office", world_options=SMALL)
+    return GoToEnv(world="office", world_options=SMALL)
 
 
 @compiled_only
@@ -66,7 +66,7 @@ def test_a_certain_world_can_be_entered_and_its_episodes_differ_by_seed(env):
 def test_the_splits_see_other_worlds():
     names = set()
     for split in SPLITS:
-        env = SemanticNavigationEnv(world="apartment", world_options=SMALL, split=split)
+        env = GoToEnv(world="apartment", world_options=SMALL, split=split)
         _, info = env.reset(seed=3)
         names.add(env.world.name)
         assert env.world.name == f"apartment {world_seed(split, info['world_seed'])}"
@@ -75,7 +75,7 @@ def test_the_splits_see_other_worlds():
 
 @compiled_only
 def test_worlds_are_drawn_until_one_has_the_goal():
-    env = SemanticNavigationEnv(world="office", world_options=SMALL, goal="kitchen")
+    env = GoToEnv(world="office", world_options=SMALL, goal="kitchen")
     for seed in range(5):
         env.reset(seed=seed)
         assert env.goal == "kitchen" and env.world.regions_of_type("kitchen")
@@ -120,7 +120,7 @@ def test_another_process_sees_the_same():
     [
         ({"world": "offise"}, None, "unknown world 'offise': did you mean 'office'?"),
         ({"world_options": {"sise": 3}}, None, "unknown key of world_options 'sise': did you mean 'size'?"),
-        ({"goal": "kitchn"}, None, "world 'office': unknown goal 'kitchn': did you mean 'kitchen'?"),
+        ({"goal": "kitchn"}, None, "unknown goal 'kitchn': did you mean 'kitchen'?"),
         ({"world": "institute", "world_options": None}, {"world_seed": 1}, "world_seed is 1, expected none"),
         ({}, {"world_seed": -1}, "world_seed is -1, expected a whole number from 0 to 4294967295"),
         ({"goal": "ward"}, None, "none of 100 worlds of kind 'office' will do"),
@@ -129,7 +129,7 @@ def test_another_process_sees_the_same():
 )
 def test_what_cannot_be_is_told(kwargs, options, message):
     with pytest.raises(ValueError, match=message.replace("?", r"\?")):
-        SemanticNavigationEnv(**{"world": "office", "world_options": SMALL, **kwargs}).reset(seed=0, options=options)
+        GoToEnv(**{"world": "office", "world_options": SMALL, **kwargs}).reset(seed=0, options=options)
 
 
 @compiled_only

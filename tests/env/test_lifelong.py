@@ -5,7 +5,7 @@ import pickle
 import numpy as np
 import pytest
 
-from regionslam_env.env import SemanticNavigationEnv
+from regionslam_env.envs import GoToEnv
 from regionslam_env.errors import ConfigError
 from tests.floors import two_rooms
 
@@ -14,7 +14,7 @@ OFFICE, KITCHEN = (3.0, 2.0, 0.0), (9.0, 2.0, 0.0)
 
 
 def make(**kwargs):
-    return SemanticNavigationEnv(**({"world": two_rooms()} | kwargs))
+    return GoToEnv(**({"world": two_rooms()} | kwargs))
 
 
 def drive(env, n, action=(0.6, 0.0)):
@@ -40,7 +40,7 @@ def test_map_pose_and_rows_go_on(localization):
     assert env.belief.pose_mean == pytest.approx(belief, abs=0.05)
     assert np.array_equal(observation["regions_mask"], before["regions_mask"]) and before["regions_mask"].sum() >= 2
     assert {r.id for r in env.belief.map.regions} == ids and info["mission"] == "go to the kitchen"
-    assert not env.belief.lost and observation["progress"].tolist() == [0, 0]
+    assert not env.belief.lost and observation["progress"].tolist() == [0, 0, 0, 1, 0, 0]
 
 
 def test_without_it_the_map_is_forgotten():
@@ -132,7 +132,7 @@ def test_dead_reckoning_cannot_be_carried():
 
 @pytest.mark.compiled
 def test_the_map_of_a_generated_world_is_kept_in_it_alone():
-    env = SemanticNavigationEnv(world="apartment", world_options={"size": 8})
+    env = GoToEnv(world="apartment", world_options={"size": 8})
     _, info = env.reset(seed=1)
     number, world = info["world_seed"], env.world
     assert env.reset(seed=2, options=KEEP)[1]["world_seed"] == number and env.world is world

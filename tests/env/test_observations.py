@@ -3,6 +3,7 @@ import pytest
 from gymnasium import spaces
 
 from regionslam_env.config import SEMANTIC_TYPES, RobotConfig
+from regionslam_env.missions.mission import GoTo
 from regionslam_env.observations import (
     COVARIANCE_LIMIT,
     Observer,
@@ -24,7 +25,8 @@ TYPES = ("office", "hallway", "other")
 
 def observer(n_slots=4, types=TYPES):
     made = Observer(types, n_slots, ROBOT, n_lidar_rays=6, lidar_range=5.0)
-    made.reset("hallway")
+    made.reset()
+    made.aim(GoTo("hallway"))
     return made
 
 
@@ -43,8 +45,9 @@ def belief_of(built, pose_mean=(0.0, 0.0, 0.0), pose_cov=None):
     )
 
 
-def observe(made, belief=None, odometry=Odometry(0.0), ranges=(1.0,) * 6, elapsed=0.0, done=0.0):  # noqa: B008 - frozen
-    return made.observe(belief or belief_of(Believed()), odometry, np.array(ranges), elapsed, done)
+def observe(made, belief=None, odometry=Odometry(0.0), ranges=(1.0,) * 6, **told):  # noqa: B008 - frozen
+    told = {"elapsed": 0.0, "completed": 0.0, "declared": False} | told
+    return made.observe(belief or belief_of(Believed()), odometry, np.array(ranges), **told)
 
 
 def test_pose_and_covariance():
@@ -60,10 +63,11 @@ def test_velocity_is_odometry_over_the_step():
 
 
 def test_lidar_goal_and_progress():
-    observation = observe(observer(), ranges=(0.0, 1.0, 2.0, 5.0, 7.0, -1.0), elapsed=0.25, done=1.0)
+    told = {"elapsed": 0.25, "completed": 0.5, "declared": True}
+    observation = observe(observer(), ranges=(0.0, 1.0, 2.0, 5.0, 7.0, -1.0), **told)
     assert observation["lidar"].tolist() == [0.0, 1.0, 2.0, 5.0, 5.0, 0.0]
     assert observation["goal"].tolist() == [0.0, 1.0, 0.0]
-    assert observation["progress"].tolist() == [0.25, 1.0]
+    assert observation["progress"].tolist() == [0.25, 0.5, 1.0, 1.0, 0.0, 0.0]
 
 
 def test_what_is_beyond_all_bounds_is_clipped_to_them():
@@ -101,7 +105,8 @@ def test_a_reset_frees_every_slot():
     made = observer()
     observe(made, belief_of(Believed().put(0, 1).put(1, 2)))
     assert made.slot_ids.tolist() == [1, 2, -1, -1]
-    made.reset("office")
+    made.reset()
+    made.aim(GoTo("office"))
     observation = observe(made, belief_of(Believed().put(0, 7)))
     assert made.slot_ids.tolist() == [7, -1, -1, -1] and observation["goal"].tolist() == [1.0, 0.0, 0.0]
 

@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 
 from regionslam_env.config import SEMANTIC_TYPES
+from regionslam_env.errors import ConfigError
+from regionslam_env.missions.mission import GoTo, Mission
 from regionslam_env.tasks.goto import GoToTask
 from regionslam_env.tasks.task import TaskSettings
 from regionslam_env.worlds.geodesic import Geodesic
@@ -40,10 +42,14 @@ def geodesic(world):
 
 @pytest.fixture
 def make(world, geodesic):
-    def build(goal=None, **settings):
-        return GoToTask(world, geodesic, TaskSettings(SEMANTIC_TYPES, **settings), goal)
+    def build(declares=False, step=0.1, types=SEMANTIC_TYPES, **arguments):
+        return GoToTask(world, geodesic, TaskSettings(types, step, declares), **arguments)
 
     return build
+
+
+def to(goal):
+    return Mission((GoTo(goal),))
 
 
 def rng(seed=0):
@@ -53,13 +59,13 @@ def rng(seed=0):
 def test_only_rooms_are_drawn_as_goals(make):
     task = make()
     assert task.goals == ("kitchen", "office")
-    drawn = {task.draw(rng(seed)).goal for seed in range(20)}
-    assert drawn == {"kitchen", "office"}
+    drawn = {str(task.draw(rng(seed)).mission) for seed in range(20)}
+    assert drawn == {"go to the kitchen", "go to the office"}
 
 
 def test_a_start_keeps_its_distance(make, geodesic):
-    task = make(goal="kitchen", start_distance=3.0)
-    missions = [task.draw(rng(seed)) for seed in range(50)]
+    task = make(start_distance=3.0)
+    missions = [task.draw(rng(seed), to("kitchen")) for seed in range(50)]
     assert all(m.shortest >= 3.0 for m in missions)
     assert min(m.shortest for m in missions) < 3.3 and max(m.shortest for m in missions) > 3.4
     for mission in missions:
@@ -73,14 +79,14 @@ def test_the_same_generator_draws_the_same_mission(make):
 
 
 def test_distance_is_until_the_centre_is_inside(make):
-    mission = make(goal="kitchen").draw(rng(), start=(-2.0, 0.0, 0.0))
+    mission = make().draw(rng(), to("kitchen"), start=(-2.0, 0.0, 0.0))
     assert mission.shortest == pytest.approx(2.0, abs=0.05)
     assert mission.start == (-2.0, 0.0, 0.0)
 
 
 def test_progress_sums_up_to_the_way_that_is_done(make):
-    task = make(goal="kitchen")
-    mission = task.draw(rng(), start=(-2.0, 0.0, 0.0))
+    task = make()
+    mission = task.draw(rng(), to("kitchen"), start=(-2.0, 0.0, 0.0))
     total = sum(task.judge(x, 0.0, False).progress for x in np.linspace(-1.9, 1.0, 30))
     assert total == pytest.approx(mission.shortest)
     assert task.judge(-1.0, 0.0, False).progress == pytest.approx(-1.0, abs=0.05)
@@ -88,8 +94,8 @@ def test_progress_sums_up_to_the_way_that_is_done(make):
 
 
 def test_staying_for_a_second_succeeds_and_leaving_starts_over(make):
-    task = make(goal="kitchen")
-    task.draw(rng(), start=(-2.0, 0.0, 0.0))
+    task = make()
+    task.draw(rng(), to("kitchen"), start=(-2.0, 0.0, 0.0))
     inside, outside = (1.0, 0.0, False), (-1.0, 0.0, False)
     assert not any(task.judge(*inside).success for _ in range(9))
     assert not task.judge(*outside).success
@@ -99,8 +105,8 @@ def test_staying_for_a_second_succeeds_and_leaving_starts_over(make):
 
 
 def test_a_declaration_ends_right_or_wrong(make):
-    task = make(goal="kitchen", declares=True)
-    task.draw(rng(), start=(-2.0, 0.0, 0.0))
+    task = make(declares=True)
+    task.draw(rng(), to("kitchen"), start=(-2.0, 0.0, 0.0))
     right, wrong = task.judge(1.0, 0.0, True), task.judge(-0.01, 0.0, True)
     assert right.success and not right.false_arrival
     assert wrong.false_arrival and not wrong.success
@@ -108,15 +114,15 @@ def test_a_declaration_ends_right_or_wrong(make):
 
 
 def test_a_start_in_the_goal_by_hand(make):
-    task = make(goal="kitchen")
-    assert task.draw(rng(), start=(2.0, 0.0, 0.0)).shortest == 0.0
+    task = make()
+    assert task.draw(rng(), to("kitchen"), start=(2.0, 0.0, 0.0)).shortest == 0.0
 
 
 def test_an_unreachable_goal_is_never_drawn_and_raises_by_hand():
     world = two_rooms(open_door=False)
     task = GoToTask(world, Geodesic(world, ROBOT), TaskSettings(SEMANTIC_TYPES))
     with pytest.raises(ValueError, match=r"no way from .* to any 'kitchen'"):
-        task.draw(rng(), "kitchen", (-2.0, 0.0, 0.0))
+        task.draw(rng(), to("kitchen"), (-2.0, 0.0, 0.0))
     with pytest.raises(ValueError, match="no free place is 2 m or more from every"):
         task.draw(rng())
 
@@ -124,7 +130,6 @@ def test_an_unreachable_goal_is_never_drawn_and_raises_by_hand():
 @pytest.mark.parametrize(
     ("kwargs", "message"),
     [
-        ({"goal": "kitchn"}, "unknown goal 'kitchn': did you mean 'kitchen'"),
         ({"start_distance": -1.0}, "start_distance is -1.0"),
         ({"start_distance": math.nan}, "start_distance is nan"),
     ],
@@ -145,14 +150,16 @@ def test_what_cannot_be_meant_is_refused(make, kwargs, message):
 )
 def test_a_start_that_is_none_is_refused(make, start, message):
     with pytest.raises(ValueError, match=message):
-        make(goal="kitchen").draw(rng(), start=start)
+        make().draw(rng(), to("kitchen"), start=start)
 
 
 def test_no_place_far_enough_tells_how_far_the_farthest_is(make):
     with pytest.raises(ValueError, match=r"the farthest is \d\.\d m away"):
-        make(goal="kitchen", start_distance=50.0).draw(rng())
+        make(start_distance=50.0).draw(rng(), to("kitchen"))
 
 
-def test_a_goal_outside_the_vocabulary_is_refused(world, geodesic):
-    with pytest.raises(ValueError, match="unknown goal 'kitchen'"):
-        GoToTask(world, geodesic, TaskSettings(("office", "other")), goal="kitchen")
+@pytest.mark.parametrize(("goal", "message"), [("kitchn", "did you mean 'kitchen'"), (3, "goal is 3, expected")])
+def test_a_goal_outside_the_vocabulary_is_refused(goal, message):
+    with pytest.raises(ConfigError, match=message):
+        GoToTask.read(goal, ("kitchen", "other"))
+    assert GoToTask.read("kitchen", ("kitchen", "other")) == to("kitchen")

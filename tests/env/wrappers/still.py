@@ -7,6 +7,7 @@ import numpy as np
 
 from regionslam_env.actions import action_space
 from regionslam_env.config import RobotConfig
+from regionslam_env.missions.mission import GoTo
 from regionslam_env.observations import Observer
 from slam.belief import Belief
 from slam.motion import Odometry
@@ -16,7 +17,8 @@ TYPES = ("office", "hallway", "kitchen", "door", "other")
 
 def observer(n_slots=6, goal="kitchen", n_rays=72):
     made = Observer(TYPES, n_slots, RobotConfig(), n_lidar_rays=n_rays, lidar_range=10.0)
-    made.reset(goal)
+    made.reset()
+    made.aim(GoTo(goal))
     return made
 
 
@@ -34,7 +36,7 @@ class Still(gymnasium.Env):
         made = made or observer()
         self.observation_space, self.action_space = made.space, action_space("stay")
         ranges = np.linspace(1.0, 8.0, len(made.space["lidar"].low)) if ranges is None else ranges
-        self.shown = made.observe(belief_of(built), Odometry(0.05, 0.0, 0.02), ranges, 0.25, 0.0)
+        self.shown = made.observe(belief_of(built), Odometry(0.05, 0.0, 0.02), ranges, 0.25, 0.0, False)
 
     def reset(self, *, seed=None, options=None):
         super().reset(seed=seed)

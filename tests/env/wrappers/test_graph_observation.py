@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
 
-from regionslam_env.env import SemanticNavigationEnv
+from regionslam_env.envs import GoToEnv
 from regionslam_env.observations import LINK_COLUMNS, RegionColumn, link_table, region_table
 from regionslam_env.wrappers import EdgeKind, GraphObservation
 from tests.env.believed import Believed
@@ -85,7 +85,7 @@ def test_an_empty_map_is_a_robot_alone():
 
 @pytest.mark.compiled
 def test_gymnasium_accepts_it_and_it_survives_a_drive():
-    env = SemanticNavigationEnv(world=two_rooms())
+    env = GoToEnv(world=two_rooms())
     wrapper = GraphObservation(env)
     with warnings.catch_warnings():
         warnings.simplefilter("error")

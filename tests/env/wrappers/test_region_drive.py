@@ -26,7 +26,7 @@ def suite(at=(0.0, 0.0), door=True):
 
 
 def seen(built, made, reach=9.0):
-    return made.observe(belief_of(built), Odometry(0.0), np.full(N_RAYS, reach), 0.0, 0.0)
+    return made.observe(belief_of(built), Odometry(0.0), np.full(N_RAYS, reach), 0.0, 0.0, False)
 
 
 def begin(controller, built, slot, arrived_after=3):

@@ -6,7 +6,7 @@ import pytest
 from gymnasium.error import ResetNeeded
 from gymnasium.utils.env_checker import check_env
 
-from regionslam_env.env import SemanticNavigationEnv
+from regionslam_env.envs import GoToEnv
 from regionslam_env.wrappers import DiscreteActions, SemanticActions, TextObservation
 from tests.floors import two_rooms
 
@@ -15,7 +15,7 @@ START = {"goal": "kitchen", "start": (2.0, 2.0, np.pi / 2)}
 
 
 def make(**kwargs):
-    return SemanticNavigationEnv(world=two_rooms(), **kwargs)
+    return GoToEnv(world=two_rooms(), **kwargs)
 
 
 def begin(env, seed=1):

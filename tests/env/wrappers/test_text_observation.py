@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
 
-from regionslam_env.env import SemanticNavigationEnv
+from regionslam_env.envs import GoToEnv
+from regionslam_env.missions.mission import Explore, GoTo, Mission, Return
 from regionslam_env.wrappers import FlatObservation, TextObservation
 from regionslam_env.wrappers.situation import Situation, bearing, certainty, direction, obstacles, seen
 from regionslam_env.wrappers.text_observation import CHARACTERS, fit, spell
@@ -16,22 +17,32 @@ from tests.env.believed import Believed
 from tests.env.wrappers.still import TYPES, belief_of, observer
 from tests.floors import two_rooms
 
+MISSION = Mission((GoTo("kitchen"),))
 
-def lines(built, scan=None, done=0.0):
+
+def lines(built, scan=None, completed=0.0, declared=False, mission=MISSION):
     made, belief = observer(), belief_of(built)
-    observation = made.observe(belief, Odometry(0.05, 0.0, math.radians(2)), np.full(72, 4.0), 0.25, done)
-    told = Situation("go to the kitchen", observation, belief, scan or Scan(), made.slot_ids, TYPES, 1000).lines()
-    return list(told)
+    odometry, ranges = Odometry(0.05, 0.0, math.radians(2)), np.full(72, 4.0)
+    observation = made.observe(belief, odometry, ranges, 0.25, completed, declared)
+    return list(Situation(mission, observation, belief, scan or Scan(), made.slot_ids, TYPES, 1000).lines())
 
 
 def test_it_tells_mission_progress_pose_and_motion():
     told = lines(Believed(TYPES, pose=(2.0, -1.0, math.pi / 2)))
     assert told[0] == "Mission: go to the kitchen."
     assert told[1] == "Progress: 250 of 1000 steps."
-    assert lines(Believed(TYPES), done=1.0)[1] == "Progress: 250 of 1000 steps, arrival declared."
+    assert lines(Believed(TYPES), declared=True)[1] == "Progress: 250 of 1000 steps, arrival declared."
     assert "2.0 m ahead and 1.0 m right from the start" in told[4] and "turned 90 degrees left" in told[4]
     assert told[5] == "Motion: 0.5 m/s forward, turning left at 20 degrees per second."
     assert told[-1] == "Known regions: none yet."
+
+
+def test_of_several_instructions_it_tells_which_one_is_due():
+    mission = Mission((GoTo("kitchen"), Explore(), Return()))
+    told = lines(Believed(TYPES), completed=1 / 3, mission=mission)
+    assert told[0] == "Mission: go to the kitchen, then map the floor, then return to the start."
+    assert told[1] == "Now: map the floor (2 of 3)."
+    assert "Now:" not in "\n".join(lines(Believed(TYPES), completed=1.0, mission=mission))
 
 
 def test_regions_come_with_slots_bearings_and_links_the_goal_first():
@@ -119,7 +130,7 @@ def test_every_text_is_spelt_with_the_characters_of_the_space(word, spelt):
 
 
 def test_what_does_not_fit_is_refused():
-    env = SemanticNavigationEnv(world=two_rooms())
+    env = GoToEnv(world=two_rooms())
     with pytest.raises(TypeError, match="expected a SemanticNavigationEnv"):
         TextObservation(gymnasium.make("CartPole-v1"))
     with pytest.raises(TypeError, match="with its own observations"):
@@ -130,7 +141,7 @@ def test_what_does_not_fit_is_refused():
 
 @pytest.mark.compiled
 def test_gymnasium_accepts_it_and_a_drive_is_told_within_the_space():
-    wrapper = TextObservation(SemanticNavigationEnv(world=two_rooms()), max_length=900)
+    wrapper = TextObservation(GoToEnv(world=two_rooms()), max_length=900)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         warnings.filterwarnings("ignore", message=".*different from the unwrapped version.*")

@@ -5,19 +5,19 @@ import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
 
-from regionslam_env.env import SemanticNavigationEnv
+from regionslam_env.envs import GoToEnv
 from regionslam_env.wrappers import MOTIONS, DiscreteActions, FlatObservation
 from tests.floors import two_rooms
 
 
 @pytest.fixture(scope="module")
 def env():
-    return SemanticNavigationEnv(world=two_rooms())
+    return GoToEnv(world=two_rooms())
 
 
 @pytest.fixture(scope="module")
 def declaring():
-    return SemanticNavigationEnv(world=two_rooms(), arrival="declare")
+    return GoToEnv(world=two_rooms(), arrival="declare")
 
 
 def test_a_flat_observation_holds_every_part_in_order(env):

@@ -1,0 +1,90 @@
+"""The way to a place, and on from there: how much of it is left, and whether the robot has arrived."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from regionslam_env.tasks.places import Place
+from regionslam_env.tasks.task import TaskSettings
+from regionslam_env.worlds.geodesic import Field, Geodesic
+
+STAY_SECONDS = 1.0
+"""How long the robot's centre has to be inside where arrival is not declared, s."""
+
+
+class Outcome(NamedTuple):
+    """What one step has brought.
+
+    Parameters
+    ----------
+    progress
+        Decrease of the way that is left, m.
+    inside
+        The robot's true centre is inside the place.
+    success, false_arrival
+        The way ends with this step, well or with a wrong declaration.
+    """
+
+    progress: float
+    inside: bool
+    success: bool
+    false_arrival: bool
+
+
+class Approach:
+    """Judges the steps of a robot that has to be in a place, and to go on to others from there.
+
+    Parameters
+    ----------
+    geodesic
+        Of the world.
+    place
+        Where to be.
+    settings
+        Duration of a step, and whether arrival is declared.
+    beyond
+        The way that follows; None where this place is the last one.
+
+    Attributes
+    ----------
+    field
+        Length of the shortest way through the place, and through those beyond in their order, from outside of it, m.
+    remaining
+        Length of the way that is left after the last step, m.
+    """
+
+    def __init__(
+        self, geodesic: Geodesic, place: Place, settings: TaskSettings, beyond: Approach | None = None
+    ) -> None:
+        self.place, self.beyond = place, beyond
+        self.field: Field = (
+            place.field if beyond is None else geodesic.field_through(place.nodes, place.contains, beyond.field)
+        )
+        self._declares = settings.declares
+        self._steps_to_stay = max(1, math.ceil(STAY_SECONDS / settings.step - 1e-9))
+        self.begin(math.inf)
+
+    def begin(self, remaining: float) -> None:
+        """Set off with this much of the way left, m."""
+        self.remaining = remaining
+        self._stayed = 0
+
+    def left(self, x: float, y: float) -> float:
+        """Return the length of the way from a point, m; infinite where there is none."""
+        return self._inside_left(x, y) if self.place.contains(x, y) else max(0.0, self.field.at(x, y))
+
+    def step(self, x: float, y: float, declared: bool) -> Outcome:
+        """Judge a step that ends at this true position (world frame, m)."""
+        inside = self.place.contains(x, y)
+        remaining = self._inside_left(x, y) if inside else max(0.0, self.field.at(x, y))
+        if not math.isfinite(remaining):  # squeezed against something: no nearer, no farther
+            remaining = self.remaining
+        progress, self.remaining = self.remaining - remaining, remaining
+        self._stayed = self._stayed + 1 if inside else 0
+        if self._declares:
+            return Outcome(progress, inside, declared and inside, declared and not inside)
+        return Outcome(progress, inside, self._stayed >= self._steps_to_stay, False)
+
+    def _inside_left(self, x: float, y: float) -> float:
+        return 0.0 if self.beyond is None else self.beyond.left(x, y)
