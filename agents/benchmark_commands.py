@@ -1,15 +1,16 @@
-"""Commands that measure: `regionslam benchmark env | filter | tour | accuracy | robustness | worlds`."""
+"""Commands that measure: `regionslam benchmark env | filter | tour | accuracy | robustness | worlds | fuzz`."""
 
 from __future__ import annotations
 
 from functools import partial
+from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 from typer.core import TyperGroup
 
-from agents.console import DONE, InputError, console, print_json, track
-from agents.options import Json, Noise, Occlusion, Particles, WorldName
+from agents.console import DONE, FAILED, InputError, bar, console, print_json, track
+from agents.options import Json, Noise, Occlusion, Particles, WorldName, check_folder
 
 
 class EnvironmentByDefault(TyperGroup):
@@ -172,6 +173,35 @@ def worlds(
         if name not in KINDS:
             raise InputError(unknown("kind of world", name, KINDS))
     return _done(benchmark_worlds(count, size, kind or KINDS, console().print), json)
+
+
+@app.command()
+def fuzz(
+    mutations: Annotated[int, typer.Option(min=1, help="Damaged buildings.")] = 10_000,
+    first: Annotated[int, typer.Option(min=0, help="Number of the first; the number is its seed.")] = 0,
+    examples: Annotated[
+        Path | None, typer.Option(help="Folder of buildings to damage; by default those of the tests.")
+    ] = None,
+    limit: Annotated[float, typer.Option(min=1, help="Seconds after which one counts as hung.")] = 60.0,
+    out: Annotated[Path | None, typer.Option(help="Folder for the damaged files of what failed.")] = None,
+    json: Json = False,
+) -> int:
+    """Damage buildings of every format; each has to give a world or one clear line, in time and without a traceback."""
+    from agents.fuzzing.campaign import EXAMPLES, benchmark_fuzz
+
+    check_folder(out)
+    with bar() as shown:
+        task = shown.add_task("damaged buildings", total=mutations)
+        result = benchmark_fuzz(mutations, first, examples or EXAMPLES, limit, out, lambda outcome: shown.advance(task))
+    say = console()
+    for name, counts in result["formats"].items():
+        say.print(f"{name:<10}  " + ", ".join(f"{outcome} {count}" for outcome, count in sorted(counts.items())))
+    for failure in result["failures"]:
+        last = failure["detail"].strip().splitlines()[-1:]
+        say.print("{number}: {file}: {outcome}: ".format(**failure) + "".join(last), markup=False)
+    say.print(f"{len(result['failures'])} of {mutations} failed; --first N --mutations 1 does number N again")
+    _done(result, json)
+    return FAILED if result["failures"] else DONE
 
 
 def _done(result: dict[str, Any], json: bool) -> int:

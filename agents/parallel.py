@@ -48,8 +48,8 @@ def over_seeds(
     warm_up()
     others = set(multiprocessing.active_children())
     context = multiprocessing.get_context("spawn")  # a fork would copy the progress display's thread half alive
-    with _single_threaded():
-        pool = ProcessPoolExecutor(workers, context, initializer=_depend_on_the_parent)
+    with single_threaded():
+        pool = ProcessPoolExecutor(workers, context, initializer=depend_on_the_parent)
         futures = [pool.submit(function, seed) for seed in seeds]
     try:
         for future in futures:
@@ -63,7 +63,7 @@ def over_seeds(
 
 
 @contextmanager
-def _single_threaded() -> Iterator[None]:
+def single_threaded() -> Iterator[None]:
     """Let processes started here use one thread each for linear algebra."""
     before = {name: os.environ.get(name) for name in THREADS}
     os.environ.update(dict.fromkeys(THREADS, "1"))
@@ -77,7 +77,7 @@ def _single_threaded() -> Iterator[None]:
                 os.environ[name] = value
 
 
-def _depend_on_the_parent() -> None:
+def depend_on_the_parent() -> None:
     """Leave interrupts to the parent, and end with it, even where it was killed."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     threading.Thread(target=_end_with_the_parent, daemon=True).start()

@@ -153,7 +153,8 @@ class Drawing:
         self.furniture.append(DrawnItem(label, name, polygon))
 
     def check(self) -> None:
-        """Drop rooms drawn twice; refuse a level without rooms, and one of a size that no building has."""
+        """Drop what is drawn twice; refuse a level without rooms, and one of a size that no building has."""
+        self.doors = list(dict.fromkeys(self.doors))
         self._drop_doubles()
         if not self.rooms:
             why = "".join(f"; {what}: {reason}" for what, reason in self.dropped[:3])

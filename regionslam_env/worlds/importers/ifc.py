@@ -6,6 +6,7 @@ Lengths are converted from the model's unit. A footprint is the shadow that a sh
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Iterable
 from typing import Any
 
@@ -18,6 +19,10 @@ from regionslam_env.worlds.importers.levels import choose
 from regionslam_env.worlds.importers.realise import ImportOptions
 from regionslam_env.worlds.importers.source import Source
 from slam.rows import Floats
+
+STRING = re.compile(r"'(?:[^']|'')*'")
+DEFINED = re.compile(r"(#\d+)\s*=")
+REFERENCE = re.compile(r"#\d+")
 
 
 def refusal(source: Source) -> str | None:
@@ -75,10 +80,23 @@ def _open(source: Source) -> Any:
     except ImportError:
         raise WorldError(f"{source.path}: IFC needs the extra ifc: pip install 'regionslam-env[ifc]'") from None
     text = source.text
+    _check_references(source, text)
     try:
         return ifcopenshell.file.from_string(text)
     except Exception as error:  # the parser has a dozen exceptions of its own
         raise WorldError(f"{source.path}: {' '.join(str(error).split())[:200]}, expected an IFC model") from None
+
+
+def _check_references(source: Source, text: str) -> None:
+    """Refuse a model that refers to what it does not define, or defines twice: the geometry kernel dies of some."""
+    text = STRING.sub("", text)
+    defined = Counter(DEFINED.findall(text))
+    twice = next((name for name, count in defined.items() if count > 1), None)
+    if twice is not None:
+        raise WorldError(f"{source.path}: {twice} is defined {defined[twice]} times, expected once")
+    missing = next((name for name in REFERENCE.findall(text) if name not in defined), None)
+    if missing is not None:
+        raise WorldError(f"{source.path}: {missing} is not defined, expected an IFC model without gaps")
 
 
 def _storey(element: Any) -> int | None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import reprlib
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -86,7 +85,7 @@ class Node:
         """Return a number between two bounds."""
         if isinstance(self.value, bool) or not isinstance(self.value, int | float):
             raise self.error("a number")
-        if not (math.isfinite(self.value) and low <= self.value <= high):
+        if not low <= self.value <= high:  # NaN is neither
             raise self.error(f"a number from {low:g} to {high:g}")
         return float(self.value)
 
