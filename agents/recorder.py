@@ -27,6 +27,8 @@ class _Moment:
     lidar: NDArray[np.float64]
     driven: float
     caption: str
+    now: str
+    goal: str | None
 
 
 class Recorder:
@@ -76,6 +78,8 @@ class Recorder:
                 m.caption,
                 m.step * seconds,
                 m.driven,
+                m.now,
+                m.goal,
             )
             for m in self._moments
         ]
@@ -85,7 +89,6 @@ class Recorder:
         renderer = Renderer(
             self.env.world,
             self._start,
-            self.env.goal,
             robot_radius=self.env.robot.radius,
             lidar_range=self.env.sensors.lidar_range,
         )
@@ -118,4 +121,6 @@ class Recorder:
             np.array(self.env.ranges),
             float(self.env.simulation.path_length),
             f"{words}  ({doing})" if doing else words,
+            self.env.instruction_text,
+            self.env.goal,
         )

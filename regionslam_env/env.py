@@ -379,6 +379,11 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         """The running mission in words."""
         return str(self.mission.mission)
 
+    @property
+    def instruction_text(self) -> str:
+        """What of the mission is to be done now, in words; nothing for a mission of one instruction."""
+        return self.mission.mission.now(self.task.completed)
+
     def __getstate__(self) -> dict[str, Any]:
         """Pickle everything but the pictures, so that an episode continues identically elsewhere."""
         return self.__dict__ | {"_renderer": None}
@@ -446,7 +451,6 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             self._renderer = Renderer(
                 self.world,
                 self._origin,
-                self.goal,
                 robot_radius=self.robot.radius,
                 lidar_range=self.sensors.lidar_range,
             )
@@ -460,6 +464,8 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             path=self._path,
             lidar=self.ranges,
             title=self.mission_text,
+            now=self.instruction_text,
+            goal=self.goal,
             caption=belief.map.describe(belief.pose_mean),
             seconds=self._episode.steps * self.robot.step,
             driven=self.simulation.path_length,

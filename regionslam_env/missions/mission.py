@@ -66,5 +66,17 @@ class Mission:
         """Semantic types that it leads to, each once."""
         return tuple(dict.fromkeys(filter(None, map(goal_of, self.instructions))))
 
+    def now(self, completed: float) -> str:
+        """Return in words which of several instructions is due once a share of them is done; nothing for a single one.
+
+        Parameters
+        ----------
+        completed
+            In [0, 1].
+        """
+        total = len(self.instructions)
+        done = round(completed * total)
+        return f"{self.instructions[done]} ({done + 1} of {total})" if done < total > 1 else ""
+
     def __str__(self) -> str:
         return ", then ".join(str(instruction) for instruction in self.instructions)

@@ -65,6 +65,10 @@ class Snapshot:
         One line at the bottom, e.g. the robot's own words.
     seconds, driven
         Time and distance since the start.
+    now
+        What of the mission is to be done now, where it has several parts.
+    goal
+        Semantic type to highlight.
     """
 
     true_pose: ArrayLike
@@ -78,6 +82,8 @@ class Snapshot:
     caption: str = ""
     seconds: float = 0.0
     driven: float = 0.0
+    now: str = ""
+    goal: str | None = None
 
 
 class Renderer:
@@ -86,11 +92,9 @@ class Renderer:
     Parameters
     ----------
     world
-        The true floor, drawn once.
+        The true floor.
     start
         True start pose: where the map frame lies in the world, so that both sides show the same part of the floor.
-    goal
-        Semantic type to highlight.
     width
         Of the picture, px; its height follows from the floor's shape.
     robot_radius, lidar_range
@@ -103,13 +107,12 @@ class Renderer:
         self,
         world: World,
         start: ArrayLike = (0.0, 0.0, 0.0),
-        goal: str | None = None,
         width: int = 1280,
         robot_radius: float = 0.2,
         lidar_range: float = 10.0,
         close_up: float = 18.0,
     ) -> None:
-        self.world, self.goal = world, goal
+        self.world = world
         self.start = np.asarray(start, dtype=np.float64)
         self.robot_radius, self.lidar_range = robot_radius, lidar_range
         panel_width = (width - 3 * MARGIN) // 2
@@ -120,9 +123,7 @@ class Renderer:
         self.close_scale = panel_width / close_up
         self.overview = Viewport.fit(world.bounds, self.overview_size)
         self.shapes = shapes_of_world(world)
-        self._truth = Panel(self.overview_size, FLOOR)
-        draw_world(self._truth, self.overview, world, self.shapes, goal)
-        self._truth.engrave()
+        self._floors: dict[str | None, Panel] = {}
         self._legend_types = tuple(dict.fromkeys(s.type for s in self.shapes))
         self.columns = (MARGIN, 2 * MARGIN + panel_width)
         self.rows = (HEADER + TITLE, HEADER + TITLE + self.overview_size[1] + MARGIN)
@@ -153,6 +154,8 @@ class Renderer:
                 picture.paste(panel.finish(), (x, y))
                 draw.rectangle((x, y, x + panel.size[0] - 1, y + panel.size[1] - 1), outline=FAINT)
         draw.text((MARGIN, HEADER // 2 + 1), snapshot.title, INK, font(22), anchor="lm")
+        now = MARGIN + font(22).getlength(snapshot.title) + 14
+        draw.text((now, HEADER // 2 + 3), snapshot.now, MUTED, font(15), anchor="lm")
         numbers = f"{snapshot.seconds:.1f} s    {snapshot.driven:.1f} m driven"
         draw.text((self.size[0] - MARGIN, HEADER // 2 + 1), numbers, MUTED, font(15), anchor="rm")
         draw.text((MARGIN, self._caption_y + CAPTION // 2), snapshot.caption, INK, font(16), anchor="lm")
@@ -167,9 +170,17 @@ class Renderer:
         draw.text((self.size[0] - MARGIN, HEADER + TITLE // 2), text, MUTED, font(13), anchor="rm")
 
     def _truth_overview(self, snapshot: Snapshot) -> Panel:
-        panel = Panel(self.overview_size, self._truth.layer)
+        panel = Panel(self.overview_size, self._floor(snapshot.goal).layer)
         self._draw_true_robot(panel, self.overview, snapshot, dots=False, smallest=6.0)
         return panel
+
+    def _floor(self, goal: str | None) -> Panel:
+        """Return the true floor with this type highlighted; it is drawn once."""
+        if goal not in self._floors:
+            panel = self._floors[goal] = Panel(self.overview_size, FLOOR)
+            draw_world(panel, self.overview, self.world, self.shapes, goal)
+            panel.engrave()
+        return self._floors[goal]
 
     def _belief_overview(self, snapshot: Snapshot) -> Panel:
         panel = Panel(self.overview_size, UNSEEN)
@@ -179,7 +190,7 @@ class Renderer:
     def _truth_close_up(self, snapshot: Snapshot) -> Panel:
         panel = Panel(self.close_size, FLOOR)
         view = self._close_view(np.asarray(snapshot.true_pose))
-        draw_world(panel, view, self.world, self.shapes, self.goal)
+        draw_world(panel, view, self.world, self.shapes, snapshot.goal)
         self._draw_true_robot(panel, view, snapshot, dots=True, smallest=7.0)
         return panel
 
@@ -209,7 +220,7 @@ class Renderer:
         links: bool = False,
     ) -> None:
         view = view.seen_from(self.start)
-        draw_regions(panel, view, snapshot.shapes, self.goal, edge)
+        draw_regions(panel, view, snapshot.shapes, snapshot.goal, edge)
         if links:
             draw_links(panel, view, snapshot.shapes)
         draw_path(panel, view, snapshot.path, BELIEF)

@@ -73,11 +73,9 @@ class Situation:
         speed, turn_rate = observation["velocity"].tolist()
         elapsed, completed, declared = observation["progress"][: ProgressColumn.GO_TO].tolist()
         end = ", arrival declared" if declared else ""
-        instructions = self.mission.instructions
-        done = round(completed * len(instructions))
         yield f"Mission: {self.mission}."
-        if done < len(instructions) > 1:
-            yield f"Now: {instructions[done]} ({done + 1} of {len(instructions)})."
+        if now := self.mission.now(completed):
+            yield f"Now: {now}."
         yield f"Progress: {round(elapsed * self.max_steps)} of {self.max_steps} steps{end}."
         yield f"Place: {belief.map.describe(belief.pose_mean, probabilities=belief.where())}"
         yield f"Certainty: {certainty(belief)}"

@@ -23,13 +23,14 @@ def snapshot(**changes: object) -> Snapshot:
         "true_path": np.array([(2.0, 1.0), (2.0, 2.0)]),
         "path": np.array([(-1.0, 0.0), (0.0, 0.0)]),
         "lidar": np.full(180, 1.0),
+        "goal": "kitchen",
     }
     return Snapshot(**{**values, **changes})
 
 
 @pytest.fixture(scope="module")
 def renderer() -> Renderer:
-    return Renderer(world(), START, goal="kitchen", width=800)
+    return Renderer(world(), START, width=800)
 
 
 def count(image: np.ndarray, colour: tuple[int, int, int]) -> int:
@@ -63,6 +64,8 @@ def test_the_belief_is_shown_where_it_lies_in_the_world(renderer):
 def test_goal_regions_are_outlined_on_both_sides(renderer):
     left, right = halves(renderer.frame(snapshot()))
     assert count(left, GOAL) > 100 and count(right, GOAL) > 100
+    left, right = halves(renderer.frame(snapshot(goal="office")))
+    assert count(left, GOAL) > 100 and count(right, GOAL) == 0  # the mission goes on to what is not known yet
 
 
 def test_frames_have_one_size_and_share_no_memory(renderer):
@@ -74,7 +77,7 @@ def test_frames_have_one_size_and_share_no_memory(renderer):
 
 
 def test_the_same_moment_gives_the_same_picture(renderer):
-    again = Renderer(world(), START, goal="kitchen", width=800)
+    again = Renderer(world(), START, width=800)
     assert (renderer.frame(snapshot()) == again.frame(snapshot())).all()
 
 
