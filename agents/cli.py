@@ -32,6 +32,10 @@ app.add_typer(reproduce_app, name="reproduce")
 app.add_typer(world_app, name="world")
 
 EnvId = Annotated[str, typer.Option("--env", help="Id of an environment.")]
+Goal = Annotated[str | None, typer.Option(help="Semantic type to go to; by default one drawn per episode.")]
+MissionText = Annotated[
+    str | None, typer.Option("--mission", help="In words, for a Mission environment; by default one drawn per episode.")
+]
 
 
 def main() -> None:
@@ -79,7 +83,8 @@ def evaluate(
     world: Annotated[
         str | None, typer.Option(help="A built-in world, a kind such as office, or the file of one.")
     ] = None,
-    goal: Annotated[str | None, typer.Option(help="Semantic type to go to; by default one drawn per episode.")] = None,
+    goal: Goal = None,
+    mission: MissionText = None,
     split: Annotated[str | None, typer.Option(help="train, val or test: disjoint seeds.")] = None,
     localization: Annotated[str | None, typer.Option(help="slam, oracle or odometry.")] = None,
     json: Json = False,
@@ -93,7 +98,10 @@ def evaluate(
     model = load_model(agent)
     trained = {} if model is None else model.regionslam
     env_id = check_environment(env or trained.get("env_id", "RegionSLAM/GoTo-v0"))
-    kwargs = {**trained.get("env_kwargs", {}), **given(world=world, goal=goal, split=split, localization=localization)}
+    kwargs = {
+        **trained.get("env_kwargs", {}),
+        **given(world=world, goal=goal, mission=mission, split=split, localization=localization),
+    }
     environment = gymnasium.make(env_id, **kwargs)
     with bar() as shown:
         task = shown.add_task("episodes", total=episodes)
@@ -123,7 +131,8 @@ def train(
     world: Annotated[
         str | None, typer.Option(help="A built-in world, a kind such as office, or the file of one.")
     ] = None,
-    goal: Annotated[str | None, typer.Option(help="Semantic type to go to; by default one drawn per episode.")] = None,
+    goal: Goal = None,
+    mission: MissionText = None,
     json: Json = False,
 ) -> int:
     """Train Stable-Baselines3's PPO (extra `train`)."""
@@ -134,7 +143,9 @@ def train(
     check_environment(env)
     check_folder(out.parent)
     began = time.perf_counter()
-    settings = TrainSettings(env, steps, seed, out, n_envs, checkpoint_every, given(world=world, goal=goal))
+    settings = TrainSettings(
+        env, steps, seed, out, n_envs, checkpoint_every, given(world=world, goal=goal, mission=mission)
+    )
     saved = run_training(settings, progress=status_console().is_terminal)
     seconds = time.perf_counter() - began
     console().print(f"Trained {steps} steps in {seconds:.0f} s; saved {saved}. Evaluate: regionslam evaluate {saved}")
@@ -147,7 +158,8 @@ def train(
 def play(
     env: EnvId = "RegionSLAM/GoTo-v0",
     world: WorldName = "institute",
-    goal: Annotated[str | None, typer.Option(help="Semantic type to go to; by default one drawn per episode.")] = None,
+    goal: Goal = None,
+    mission: MissionText = None,
     seed: Annotated[int | None, typer.Option(min=0, help="Play one certain episode, again and again.")] = None,
     json: Json = False,
 ) -> int:
@@ -159,7 +171,9 @@ def play(
     from agents.play import play as drive
 
     say = console()
-    environment = gymnasium.make(check_environment(env), world=world, render_mode="rgb_array", **given(goal=goal))
+    environment = gymnasium.make(
+        check_environment(env), world=world, render_mode="rgb_array", **given(goal=goal, mission=mission)
+    )
     say.print(HELP)
     finished: list[dict[str, Any]] = []
 

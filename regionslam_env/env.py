@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from functools import partial
+from inspect import signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -14,10 +15,10 @@ from gymnasium.error import ResetNeeded
 from numpy.typing import ArrayLike, NDArray
 
 from regionslam_env.actions import ARRIVALS, Arrival, action_space, read_action
-from regionslam_env.arguments import ResetOptions, one_of, read_options, robot_config, whole_number
+from regionslam_env.arguments import CommonArguments, ResetOptions, one_of, read_options, robot_config, whole_number
 from regionslam_env.belief import LOCALIZATIONS, Localization, Localizer
 from regionslam_env.config import SEMANTIC_TYPES, NoiseConfig, RobotConfig, SensorConfig, from_dict, noise_set
-from regionslam_env.errors import ConfigError
+from regionslam_env.errors import ConfigError, unknown
 from regionslam_env.missions.mission import Mission, goal_of
 from regionslam_env.observations import Observation, Observer, observed_types
 from regionslam_env.sensors.lidar import Lidar
@@ -156,7 +157,11 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         semantic_types: Sequence[str] = SEMANTIC_TYPES,
         reveal_truth: bool = False,
         render_mode: str | None = None,
+        **others: object,
     ) -> None:
+        for name in others:
+            own = (p.name for p in signature(type(self)).parameters.values() if p.kind is p.KEYWORD_ONLY)
+            raise ConfigError(unknown("argument", name, [*own, *CommonArguments.__annotations__]))
         self._split = one_of("split", split, SPLITS)
         self.localization = one_of("localization", localization, LOCALIZATIONS)
         self.arrival = one_of("arrival", arrival, ARRIVALS)

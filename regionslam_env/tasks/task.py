@@ -115,7 +115,7 @@ class Task(ABC):
         ConfigError
             For a value that stands for none.
         """
-        raise ConfigError(f"{cls.option} is {wanted!r}, expected none: this task is always the same")
+        raise ConfigError(f"mission is {wanted!r}, expected none: this task is always the same")
 
     @abstractmethod
     def draw(
