@@ -5,7 +5,7 @@ import pickle
 import numpy as np
 import pytest
 
-from regionslam_env.envs import GoToEnv
+from regionslam_env.envs import GoToEnv, MissionEnv
 from regionslam_env.errors import ConfigError
 from tests.floors import two_rooms
 
@@ -139,3 +139,14 @@ def test_the_map_of_a_generated_world_is_kept_in_it_alone():
     env.reset(seed=3, options=KEEP | {"world_seed": number})
     with pytest.raises(ConfigError, match=f"expected that of the map to keep: {number}"):
         env.reset(options=KEEP | {"world_seed": number + 1})
+
+
+def test_to_return_is_to_go_where_the_kept_map_was_begun():
+    env = MissionEnv(world=two_rooms(), mission="return", reveal_truth=True)
+    env.reset(seed=0, options={"start": (3.0, 2.0, 0.0), "mission": "go to the kitchen"})
+    for _ in range(40):
+        env.step([1.0, 0.0])
+    assert env.true_pose[0] > 6.0
+    _, info = env.reset(options={"keep_map": True})
+    assert info["mission"] == "return to the start"
+    assert info["truth"]["distance_to_goal"] == pytest.approx(env.true_pose[0] - 3.0 - 1.0, abs=0.02)
