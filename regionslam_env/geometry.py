@@ -18,6 +18,7 @@ Ints = NDArray[np.int64]
 
 _COLLINEAR = 1e-9  # below this cross product (m²) a segment is seen end on
 _ROUNDING = 1e-9  # of a ray's index
+_LEEWAY = 1e-9  # added to the reach of lists, m
 
 
 def ray_angles(count: int) -> Floats:
@@ -120,37 +121,75 @@ class NearbyIndex:
         Distance, m.
     cell
         Side of a cell, m.
+
+    Attributes
+    ----------
+    cells
+        Lists of the things near each cell, row by row of cells, then of all things, for places outside; as kernels take
+        them: lowest corner x, y (m), side of a cell (m), columns and rows; where each list begins in the third array
+        (columns * rows + 2,), so that list k is ``things[first[k] : first[k + 1]]``; the indices of all lists.
     """
 
     def __init__(self, boxes: Floats, reach: float, cell: float = 4.0) -> None:
         boxes = np.asarray(boxes, dtype=np.float64).reshape(-1, 4)
-        self._all = np.arange(len(boxes))
         low = boxes[:, :2].min(axis=0) if len(boxes) else np.zeros(2)
         high = boxes[:, 2:].max(axis=0) if len(boxes) else np.zeros(2)
-        self._x, self._y = float(low[0]), float(low[1])
         # A floor of kilometres takes larger cells, not more of them.
-        self._cell = max(cell, float(np.max(high - low)) / 256)
-        self._columns, self._rows = (int(k) + 1 for k in (high - low) // self._cell)
-        self._lists: list[Ints | None] = [None] * (self._columns * self._rows)
-        self._boxes, self._reach = boxes, reach
+        cell = max(cell, float(np.max(high - low)) / 256)
+        columns, rows = (int(k) + 1 for k in (high - low) // cell)
+        frame = np.array([*low, cell, columns, rows])
+        first = np.zeros(columns * rows + 2, np.int64)
+        list_cells(boxes, reach, frame, first, np.zeros(0, np.int64))
+        np.cumsum(first, out=first)
+        things = np.empty(first[-1], np.int64)
+        list_cells(boxes, reach, frame, first, things)
+        self.cells: tuple[Floats, Ints, Ints] = (frame, first, things)
 
     def near(self, x: float, y: float) -> Ints:
         """Return, ascending, the indices of all things within reach of a point, and of some more."""
-        column, row = math.floor((x - self._x) / self._cell), math.floor((y - self._y) / self._cell)
-        if not (0 <= column < self._columns and 0 <= row < self._rows):
-            return self._all
-        place = row * self._columns + column
-        found = self._lists[place]
-        if found is None:
-            found = self._lists[place] = self._search(column, row)
-        return found
+        first, last = list_of(self.cells, x, y)
+        return self.cells[2][first:last]
 
-    def _search(self, column: int, row: int) -> Ints:
-        x, y = self._x + column * self._cell, self._y + row * self._cell
-        boxes, cell = self._boxes, self._cell
-        gap_x = np.maximum(np.maximum(boxes[:, 0] - (x + cell), x - boxes[:, 2]), 0)
-        gap_y = np.maximum(np.maximum(boxes[:, 1] - (y + cell), y - boxes[:, 3]), 0)
-        return np.nonzero(np.hypot(gap_x, gap_y) <= self._reach + 1e-9)[0]
+
+@njit
+def list_of(cells: tuple[Floats, Ints, Ints], x: float, y: float) -> tuple[int, int]:
+    """Return where the list for a point begins and ends (`NearbyIndex.cells`)."""
+    frame, first, _ = cells
+    columns, rows = int(frame[3]), int(frame[4])
+    column, row = math.floor((x - frame[0]) / frame[2]), math.floor((y - frame[1]) / frame[2])
+    inside = 0 <= column < columns and 0 <= row < rows
+    place = int(row) * columns + int(column) if inside else columns * rows
+    return first[place], first[place + 1]
+
+
+@njit
+def list_cells(boxes: Floats, reach: float, frame: Floats, first: Ints, things: Ints) -> None:
+    """List the boxes within reach of every cell.
+
+    Without room in `things`, count those of list k in `first[k + 1]`; then, with `first` their sums, write the lists.
+    """
+    cell, columns, rows = frame[2], int(frame[3]), int(frame[4])
+    counting, end, limit = len(things) == 0, first[:-1].copy(), reach + _LEEWAY
+    for k in range(len(boxes)):
+        x0, y0, x1, y1 = boxes[k, 0] - frame[0], boxes[k, 1] - frame[1], boxes[k, 2] - frame[0], boxes[k, 3] - frame[1]
+        for row in range(max(0, math.floor((y0 - limit) / cell)), min(rows, math.floor((y1 + limit) / cell) + 1)):
+            gap_y = max(y0 - (row + 1) * cell, row * cell - y1, 0.0)
+            for column in range(
+                max(0, math.floor((x0 - limit) / cell)), min(columns, math.floor((x1 + limit) / cell) + 1)
+            ):
+                gap_x = max(x0 - (column + 1) * cell, column * cell - x1, 0.0)
+                if gap_x * gap_x + gap_y * gap_y <= limit * limit:
+                    _enlist(row * columns + column, k, counting, first, end, things)
+        _enlist(rows * columns, k, counting, first, end, things)
+
+
+@njit
+def _enlist(place: int, thing: int, counting: bool, first: Ints, end: Ints, things: Ints) -> None:
+    if counting:
+        first[place + 1] += 1
+    else:
+        things[end[place]] = thing
+        end[place] += 1
 
 
 def segment_boxes(segments: Floats) -> Floats:

@@ -14,6 +14,8 @@ import pymunk
 
 from regionslam_env.config import RobotConfig
 from regionslam_env.simulation.chipmunk import fast_crowd_push, fast_read
+from regionslam_env.simulation.driving import X, Y
+from regionslam_env.simulation.engine import NO_ENGINE
 from regionslam_env.simulation.movers import Movers
 from regionslam_env.simulation.physics import SLOP, Simulation
 from regionslam_env.worlds.world import WALL_RADIUS
@@ -42,6 +44,8 @@ class DynamicSimulation(Simulation):
 
     def __init__(self, movers: Movers, config: RobotConfig) -> None:
         self.movers = movers
+        self._crowd: list[pymunk.Body] = []
+        self._bodies: list[pymunk.Body] = []
         super().__init__(movers.fixed_world, config)
         self._margin = math.inf  # somebody may always be near: never without the engine
 
@@ -54,7 +58,8 @@ class DynamicSimulation(Simulation):
     def step(self, speed: float, turn_rate: float) -> None:
         """Let people decide, doors move and everything drive for one environment step, the robot as commanded."""
         movers = self.movers
-        for door in movers.step((self._x, self._y)):
+        x, y = self.state[[X, Y]].tolist()
+        for door in movers.step((x, y)):
             self._doors[door].filter = CLOSED if movers.doors.closed[door] else OPEN
         people = movers.people
         wanted = people.records["speed_x"], people.records["speed_y"]
@@ -121,7 +126,8 @@ class DynamicSimulation(Simulation):
         return body
 
     def _connect(self) -> None:
-        """Take hold of the engine's own functions."""
+        """Take hold of the engine's own functions; a kernel would push the robot alone."""
+        self._engine = NO_ENGINE
         self._forces = [(0.0, 0.0)] * len(self._crowd)
         self._push = fast_crowd_push(self._space, self._body, self._crowd, self._forces)
         self._read = fast_read(self._bodies)

@@ -16,14 +16,31 @@ import pymunk
 from numpy.typing import NDArray
 
 from regionslam_env.config import RobotConfig
+from regionslam_env.exact import principal
 from regionslam_env.simulation.chipmunk import Push, fast_push
-from regionslam_env.simulation.coasting import STEP, coast
-from regionslam_env.simulation.robot import DifferentialDrive
+from regionslam_env.simulation.driving import (
+    AHEAD,
+    COLLIDED,
+    IN_ENGINE,
+    LEFT,
+    LENGTH,
+    RIGHT,
+    SPEED_X,
+    SPEED_Y,
+    STATE,
+    STEP,
+    THETA,
+    X,
+    Y,
+    compare,
+    drive,
+)
+from regionslam_env.simulation.engine import engine_of
+from regionslam_env.simulation.robot import drive_of
 from regionslam_env.worlds.clearance import clearance_grid
 from regionslam_env.worlds.world import WALL_RADIUS, World
 
 SLOP = 0.001  # depth that a contact leaves alone, m
-_HELD_BACK = 1e-6  # difference of the way driven and the way commanded that counts as a collision, m
 _FAR_AWAY = 1e6  # where the body forgets its contacts, m
 
 
@@ -41,23 +58,28 @@ class Simulation:
 
     Attributes
     ----------
-    collided
-        Whether a wall or an obstacle held the robot back during the last step.
-    path_length
-        Metres driven since the reset.
+    state
+        Numbers of the robot, by the places that `driving` names.
     """
 
     def __init__(self, world: World, config: RobotConfig | None = None) -> None:
         self.config = config or RobotConfig()
-        self.drive = DifferentialDrive(self.config)
+        self._drive = tuple(drive_of(self.config))
         self._dt = self.config.step / self.config.substeps
         self._space, self._body = _build(world, self.config.radius, self._dt)
-        self._push: Push = fast_push(self._space, self._body)
+        self._connect()
         # Whoever is that far from everything touches nothing in this step, and the engine has forgotten the last touch.
         forgotten = (self._space.collision_persistence + 1) * self._dt
         self._margin = self.config.max_speed * (self.config.step + forgotten) + STEP
         self._grid: tuple[Any, ...] = tuple(clearance_grid(world, self.config.radius, STEP, 0.0))
+        self._velocities = np.zeros((self.config.substeps, 2))
+        self.state = np.zeros(STATE)
         self.reset(0.0, 0.0, 0.0)
+
+    def _connect(self) -> None:
+        """Take hold of the engine: in kernels by its addresses, else by its functions."""
+        self._push: Push = fast_push(self._space, self._body)
+        self._engine = engine_of(self._space, self._body)
 
     def reset(self, x: float, y: float, theta: float) -> None:
         """Put the robot at rest at a pose (m, m, rad)."""
@@ -68,13 +90,9 @@ class Simulation:
         for _ in range(self._space.collision_persistence + 2):
             self._push(0.0, 0.0, self._dt)
         self._move(float(x), float(y))
-        self._in_engine = True  # whether the engine knows where the robot is
-        self._x, self._y, self._theta = float(x), float(y), math.remainder(theta, 2 * math.pi)
-        self._ahead = self._theta  # heading after the velocity that is commanded but not yet driven
-        self._speed_x = self._speed_y = 0.0
-        self.drive.reset()
-        self.collided = False
-        self.path_length = 0.0
+        self.state[:] = 0.0
+        self.state[X], self.state[Y], self.state[IN_ENGINE] = x, y, True
+        self.state[THETA] = self.state[AHEAD] = principal(float(theta))
 
     def _move(self, x: float, y: float) -> None:
         self._body.position = (x, y)
@@ -82,66 +100,70 @@ class Simulation:
         self._space.reindex_shapes_for_body(self._body)
 
     def step(self, speed: float, turn_rate: float) -> None:
-        """Drive for one environment step towards a commanded speed (m/s) and turn rate (rad/s)."""
-        velocities, self._ahead = self.drive.follow(speed, turn_rate, self._ahead)
-        self._theta = math.remainder(self._ahead - self.drive.turn_rate * self._dt, 2 * math.pi)
-        free, x, y, speed_x, speed_y = coast(
-            self._grid, self._margin, self._x, self._y, self._speed_x, self._speed_y, velocities, self._dt
-        )
-        if free:
-            self._in_engine = self.collided = False
-            self._arrive(x, y, speed_x, speed_y)
-        else:
+        """Drive for one environment step towards a commanded speed (m/s) and turn rate (rad/s).
+
+        Raises
+        ------
+        ValueError
+            For a command that is not finite.
+        """
+        if not (math.isfinite(speed) and math.isfinite(turn_rate)):
+            raise ValueError(f"the command is {speed} m/s and {turn_rate} rad/s, expected finite numbers")
+        velocities = self._velocities
+        if not drive(
+            self.state, self._drive, float(speed), float(turn_rate), self._grid, self._margin, self._engine, velocities
+        ):
             self._touch(velocities)
 
     def _touch(self, velocities: NDArray[np.float64]) -> None:
-        """Drive these velocities (m/s), one for each substep, in the engine, and see whether something cuts them."""
-        if not self._in_engine:
-            self._body.position, self._body.velocity = (self._x, self._y), (self._speed_x, self._speed_y)
-            self._in_engine = True
-        push, dt = self._push, self._dt
-        way_x, way_y, last_x, last_y = 0.0, 0.0, self._speed_x, self._speed_y
-        for force_x, force_y in velocities.tolist():  # forces are velocities: the body's mass is dt
-            way_x, way_y, last_x, last_y = way_x + last_x, way_y + last_y, force_x, force_y
-            push(force_x, force_y, dt)
-        self._compare(way_x * dt, way_y * dt, last_x, last_y)
-
-    def _compare(self, way_x: float, way_y: float, last_x: float, last_y: float) -> None:
-        """Read where the body is, and whether that is where the commanded way (m) and last velocity (m/s) take it."""
-        (x, y), (speed_x, speed_y) = self._body.position, self._body.velocity
-        dx, dy = x - self._x, y - self._y
-        cut = abs(speed_x - last_x) + abs(speed_y - last_y)
-        self.collided = abs(dx - way_x) + abs(dy - way_y) + cut * self._dt > _HELD_BACK
-        self._arrive(x, y, speed_x, speed_y)
+        """Do what `driving.touch` does, by Python's way into the engine."""
+        body, state = self._body, self.state
+        if not state[IN_ENGINE]:
+            body.position, body.velocity = tuple(state[[X, Y]].tolist()), tuple(state[[SPEED_X, SPEED_Y]].tolist())
+        for force_x, force_y in velocities.tolist():
+            self._push(force_x, force_y, self._dt)
+        compare(state, velocities, self._dt, *body.position, *body.velocity)
         # Drops what contacts would still push the body next: hidden in the engine, it would not survive pickling.
-        pymunk.Body.update_position(self._body, 0.0)
-
-    def _arrive(self, x: float, y: float, speed_x: float, speed_y: float) -> None:
-        """Take over the position (m) and velocity (m/s) at the end of a step."""
-        self.path_length += math.hypot(x - self._x, y - self._y)
-        self._x, self._y, self._speed_x, self._speed_y = x, y, speed_x, speed_y
+        pymunk.Body.update_position(body, 0.0)
 
     @property
     def pose(self) -> NDArray[np.float64]:
         """True pose x (m), y (m), theta (rad, in [-pi, pi]), a fresh array of shape (3,)."""
-        return np.array((self._x, self._y, self._theta))
+        return self.state[: THETA + 1].copy()
+
+    @property
+    def collided(self) -> bool:
+        """Whether a wall or an obstacle held the robot back during the last step."""
+        return bool(self.state[COLLIDED])
+
+    @property
+    def path_length(self) -> float:
+        """Metres driven since the reset."""
+        return float(self.state[LENGTH])
+
+    @property
+    def wheel_speeds(self) -> tuple[float, float]:
+        """Speeds of the left and the right wheel, m/s."""
+        return float(self.state[LEFT]), float(self.state[RIGHT])
 
     @property
     def twist(self) -> NDArray[np.float64]:
         """Speed forwards and to the left (m/s) and turn rate (rad/s) after contacts, a fresh array of shape (3,)."""
+        left, right = self.wheel_speeds
+        turn_rate = (right - left) / self.config.wheel_base
         # The velocity is that of the substep to come, along the heading half way through it.
-        heading = self._theta + self.drive.turn_rate * self._dt / 2
+        heading = float(self.state[THETA]) + turn_rate * self._dt / 2
         c, s = math.cos(heading), math.sin(heading)
-        forward, lateral = c * self._speed_x + s * self._speed_y, c * self._speed_y - s * self._speed_x
-        return np.array((forward, lateral, self.drive.turn_rate))
+        speed_x, speed_y = self.state[[SPEED_X, SPEED_Y]].tolist()
+        return np.array((c * speed_x + s * speed_y, c * speed_y - s * speed_x, turn_rate))
 
     def __getstate__(self) -> dict[str, Any]:
         """Pickle everything but the pointers into the engine."""
-        return {name: value for name, value in self.__dict__.items() if name != "_push"}
+        return {name: value for name, value in self.__dict__.items() if name not in ("_push", "_engine")}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
-        self._push = fast_push(self._space, self._body)
+        self._connect()
 
 
 def _build(world: World, radius: float, mass: float) -> tuple[pymunk.Space, pymunk.Body]:

@@ -6,6 +6,8 @@ import pytest
 
 from regionslam_env.config import RobotConfig
 from regionslam_env.simulation.chipmunk import fast_push, plain_push
+from regionslam_env.simulation.driving import IN_ENGINE
+from regionslam_env.simulation.engine import NO_ENGINE
 from regionslam_env.simulation.physics import Simulation
 from regionslam_env.worlds.clearance import exact_clearance, shapes_of
 from tests.floors import bent_hallway, furnished_room, long_hallway, single_room, two_rooms
@@ -76,7 +78,7 @@ def test_too_fast_a_command_keeps_its_curve():
     simulation = driven(single_room(), (0, 0, 0), (1, 2, 20))
     forward, _, turn_rate = simulation.twist
     assert turn_rate / forward == pytest.approx(2)
-    assert simulation.drive.right == pytest.approx(1.0)
+    assert simulation.wheel_speeds[1] == pytest.approx(1.0)
 
 
 def test_commands_beyond_the_limits_are_cut():
@@ -181,16 +183,21 @@ def test_an_episode_does_not_depend_on_the_one_before():
         assert np.array_equal(fresh.pose, used.pose)
 
 
-def test_the_short_way_into_the_engine_gives_the_same_as_the_public_one():
-    short, public = Simulation(bent_hallway()), Simulation(bent_hallway())
+def test_every_way_into_the_engine_gives_the_same():
+    compiled, short, public = (Simulation(bent_hallway()) for _ in range(3))
+    short._engine = public._engine = NO_ENGINE
     short._push = fast_push(short._space, short._body)
     public._push = plain_push(public._space, public._body)
-    for simulation in (short, public):
+    for simulation in (compiled, short, public):
         simulation.reset(7, 0, 0.4)
+    touched = 0
     for speed, turn_rate in commands():
-        short.step(speed, turn_rate)
-        public.step(speed, turn_rate)
-        assert np.array_equal(short.pose, public.pose)
+        for simulation in (compiled, short, public):
+            simulation.step(speed, turn_rate)
+        assert np.array_equal(short.state, public.state)
+        assert np.array_equal(short.state, compiled.state)
+        touched += compiled.collided
+    assert touched > 10
 
 
 @pytest.mark.parametrize("start", [(1, 0, 0.4), (7, 0, 0.4), (7, 4, -1.6)])
@@ -206,7 +213,7 @@ def test_coasting_gives_the_same_as_the_engine_alone(start):
         assert np.array_equal(coasting.pose, engine.pose)
         assert np.array_equal(coasting.twist, engine.twist)
         assert (coasting.collided, coasting.path_length) == (engine.collided, engine.path_length)
-        free, touched = free + (not coasting._in_engine), touched + engine.collided
+        free, touched = free + (not coasting.state[IN_ENGINE]), touched + engine.collided
     assert free > 100
     assert touched > 50
 
@@ -216,7 +223,7 @@ def test_coasting_never_starts_near_anything():
     for x in np.linspace(-3, 3, 61):
         simulation.reset(x, 0, 0)
         simulation.step(1, 0)
-        assert simulation._in_engine or exact_clearance(x, 0.0, shapes_of(furnished_room()), 0.2) > 0.14
+        assert simulation.state[IN_ENGINE] or exact_clearance(x, 0.0, shapes_of(furnished_room()), 0.2) > 0.14
 
 
 def test_a_slower_robot_and_a_longer_step():
