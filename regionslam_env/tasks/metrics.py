@@ -27,11 +27,31 @@ TASK_METRICS = ("completed", "explored", "closed_edges")
 """Metrics of the task: shares of the instructions that are done, and, where the floor has to be mapped, of the
 reachable regions that are mapped and of their edges that are closed."""
 
-METRICS = (
-    *("success", "spl", "soft_spl", "distance_to_goal", "path_length", "collisions", "false_arrival"),
-    *("belief_success", "belief_spl", "ape_rmse", "ape_max", "ape_end", "pose_nees", *MAP_METRICS, *TASK_METRICS),
-)
+SHARE, AT_LEAST_0 = (0.0, 1.0), (0.0, math.inf)
+
+RANGES: Mapping[str, tuple[float, float]] = {
+    "success": SHARE,
+    "spl": SHARE,
+    "soft_spl": SHARE,
+    "distance_to_goal": AT_LEAST_0,
+    "path_length": AT_LEAST_0,
+    "collisions": AT_LEAST_0,
+    "false_arrival": SHARE,
+    "belief_success": SHARE,
+    "belief_spl": SHARE,
+    "ape_rmse": AT_LEAST_0,
+    "ape_max": AT_LEAST_0,
+    "ape_end": AT_LEAST_0,
+    "pose_nees": AT_LEAST_0,
+    **dict.fromkeys((*MAP_METRICS, *TASK_METRICS), SHARE),
+}
+"""Least and largest value of every metric, both possible where finite; verdicts count as 0 and 1."""
+
+METRICS = tuple(RANGES)
 """Every key that the last `info` of an episode holds."""
+
+ALWAYS = ("success", "path_length", "collisions", "ape_rmse", "ape_max", "ape_end")
+"""Metrics that are never None once a step was made."""
 
 
 def spl(success: bool, shortest: float, path: float) -> float:

@@ -81,7 +81,11 @@ def _is_row(edges: list[float]) -> bool:
 def _inside(polygon: shapely.Polygon, edges: list[float], i: int) -> float:
     """Return the area of a polygon inside rectangle i, m²."""
     n = MAX_RECTANGLES
-    return float(shapely.clip_by_rect(polygon, edges[i], edges[n + 1 + i], edges[i + 1], edges[2 * n + 1 + i]).area)
+    box = edges[i], edges[n + 1 + i], edges[i + 1], edges[2 * n + 1 + i]
+    try:
+        return float(shapely.clip_by_rect(polygon, *box).area)
+    except shapely.errors.GEOSException:  # the fast way fails where the polygon only just touches the rectangle
+        return float(polygon.intersection(shapely.box(*box)).area)
 
 
 def _iou(polygon: shapely.Polygon, edges: list[float], inside: list[float]) -> float:

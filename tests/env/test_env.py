@@ -1,5 +1,6 @@
 import dataclasses
 import inspect
+import os
 import pickle
 import re
 import subprocess
@@ -23,6 +24,7 @@ from regionslam_env.tasks.metrics import METRICS
 from regionslam_env.tasks.rewards import ExploreRewardConfig, MissionRewardConfig, RewardConfig
 from regionslam_env.worlds.format import save_world
 from tests.floors import two_rooms
+from tests.worlds.importers.examples import DATA
 
 IDS = tuple(ENVIRONMENTS)
 FLOOR = two_rooms()
@@ -142,26 +144,55 @@ def test_another_seed_gives_another_episode(env):
 
 
 SCRIPT = """
-import hashlib, gymnasium, numpy as np
-env = gymnasium.make("RegionSLAM/GoTo-v0")
-observation, _ = env.reset(seed=11)
-digest = hashlib.sha256()
-for action in np.random.default_rng(0).uniform(-1, 1, (40, 2)).astype(np.float32):
-    observation, reward, *_ = env.step(action)
-    for key in sorted(observation):
-        digest.update(observation[key].tobytes())
-    digest.update(repr(reward).encode())
-print(digest.hexdigest())
+import hashlib, sys, gymnasium, numpy as np
+from regionslam_env.registration import ENVIRONMENTS
+
+def values(x):
+    if isinstance(x, dict):
+        return [v for key in x for v in (key, *values(x[key]))]
+    return [x.tobytes() if isinstance(x, np.ndarray) else repr(x)]
+
+def digest(env, n):
+    found = hashlib.sha256()
+    rng = np.random.default_rng(0)
+    for options in (None, {"keep_map": True} if env.spec.kwargs.get("localization") != "odometry" else None, None):
+        results = [env.reset(seed=11 if options is None else None, options=options)]
+        for action in rng.uniform(-1, 1, (n, env.action_space.shape[0])).astype(np.float32):
+            action[2:] = -1
+            results.append(env.step(action))
+            if results[-1][2] or results[-1][3]:
+                break
+        for result in results:
+            for value in result:
+                found.update(repr(values(value)).encode())
+    return found.hexdigest()
+
+digests = [digest(gymnasium.make(name, max_steps=20), 20) for name in ENVIRONMENTS]
+worlds = ("office", "apartment", "campus", *PLANS)
+digests += [digest(gymnasium.make("RegionSLAM/GoTo-v0", world=world, max_steps=20), 20) for world in worlds]
 """
+PLANS = [str(DATA / name) for name in ("house.json", "azure", "floor.yaml", "shop.building.yaml")]
 
 
 @compiled_only
 def test_another_process_sees_the_same():
-    command = [sys.executable, "-c", SCRIPT]
-    runs = [subprocess.run(command, capture_output=True, text=True, check=True).stdout for _ in range(2)]
-    namespace = {}
-    exec(SCRIPT.replace("print(", "here = ("), namespace)  # the script above, in this process
-    assert runs[0] == runs[1] == namespace["here"] + "\n"
+    """Every id, generated and imported worlds; the order of sets and the addresses of objects decide nothing."""
+    script = SCRIPT.replace("PLANS", repr(PLANS))
+    runs = [
+        subprocess.Popen(
+            [sys.executable, "-c", script + "print(digests)"],
+            env={**os.environ, "PYTHONHASHSEED": hash_seed},
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+        for hash_seed in ("1", "2")
+    ]
+    told = [run.communicate()[0] for run in runs]
+    assert [run.returncode for run in runs] == [0, 0]
+    assert told[0] == told[1]
+    here: dict[str, list[str]] = {}
+    exec(script, here)  # in this process, after other tests
+    assert len(set(here["digests"])) == len(ENVIRONMENTS) + 3 + len(PLANS) and f"{here['digests']}\n" == told[0]
 
 
 def test_a_pickle_in_the_middle_of_an_episode_goes_on_identically(env):

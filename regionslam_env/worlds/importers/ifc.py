@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 import numpy as np
@@ -82,9 +82,11 @@ def _open(source: Source) -> Any:
     text = source.text
     _check_references(source, text)
     try:
-        return ifcopenshell.file.from_string(text)
+        model = ifcopenshell.file.from_string(text)
     except Exception as error:  # the parser has a dozen exceptions of its own
         raise WorldError(f"{source.path}: {' '.join(str(error).split())[:200]}, expected an IFC model") from None
+    _check_entities(source, model)
+    return model
 
 
 def _check_references(source: Source, text: str) -> None:
@@ -97,6 +99,43 @@ def _check_references(source: Source, text: str) -> None:
     missing = next((name for name in REFERENCE.findall(text) if name not in defined), None)
     if missing is not None:
         raise WorldError(f"{source.path}: {missing} is not defined, expected an IFC model without gaps")
+
+
+def _check_entities(source: Source, model: Any) -> None:
+    """Refuse a model in which something refers to an entity of the wrong kind: the geometry kernel dies of some."""
+    import ifcopenshell
+
+    schema = ifcopenshell.schema_by_name(model.schema_identifier)
+    wanted: dict[str, list[tuple[int, str, str]]] = {}
+    for instance in model:
+        kind = instance.is_a()
+        if kind not in wanted:
+            attributes = enumerate(schema.declaration_by_name(kind).as_entity().all_attributes())
+            named = [(i, a.name(), _entity_of(a.type_of_attribute())) for i, a in attributes]
+            wanted[kind] = [(i, name, entity) for i, name, entity in named if entity is not None]
+        for i, name, entity in wanted[kind]:
+            for value in _flat(instance[i]):
+                if not value.is_a(entity):
+                    what = f"#{instance.id()} ({kind}): {name}"
+                    raise WorldError(f"{source.path}: {what}: expected {entity}, got {value.is_a()} #{value.id()}")
+
+
+def _entity_of(kind: Any) -> str | None:
+    """Return the entity that an attribute, or each item of it, refers to; None for what is no entity."""
+    while kind.as_aggregation_type() is not None:
+        kind = kind.as_aggregation_type().type_of_element()
+    named = kind.as_named_type()
+    entity = None if named is None else named.declared_type().as_entity()
+    return None if entity is None else str(entity.name())
+
+
+def _flat(value: Any) -> Iterator[Any]:
+    """Yield an instance, or those in lists of them."""
+    if isinstance(value, tuple):
+        for item in value:
+            yield from _flat(item)
+    elif value is not None:
+        yield value
 
 
 def _storey(element: Any) -> int | None:
