@@ -55,5 +55,5 @@ def test_a_goal_that_cannot_be_reached_is_refused():
     world = two_rooms()
     closed = replace(world, walls=np.concatenate([world.walls, [[6, 1, 6, 3]]]), doors=(), links=())
     env = GoToEnv(world=closed)
-    with pytest.raises(ConfigError, match="no way from .* to any 'kitchen'"):
+    with pytest.raises(ConfigError, match=r"no way from .* to any 'kitchen'"):
         env.reset(options={"goal": "kitchen", "start": (3.0, 2.0, 0.0)})
