@@ -4,9 +4,10 @@ VENV := .venv
 BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check
 TORCH := $(shell sed -n 's/^torch==/torch==/p' constraints.txt)
+SITE = NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet --strict -f docs/site/mkdocs.yml
 SETUP := pyproject.toml constraints.txt $(wildcard packaging/*)
 
-.PHONY: demo test slow check format clean
+.PHONY: demo test slow check docs format clean
 
 demo: $(VENV)/.core
 	$(BIN)/regionslam run "go to the kitchen" --world institute --seed 1 --out out/demo
@@ -17,11 +18,16 @@ test: $(VENV)/.test
 slow: $(VENV)/.test
 	$(BIN)/python -m pytest -q -m slow
 
-check: $(VENV)/.check
+check: $(VENV)/.check $(VENV)/.docs
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+	$(SITE)
+
+docs: $(VENV)/.docs
+	$(SITE)
+	@echo "The site is in build/site; $(BIN)/mkdocs serve -f docs/site/mkdocs.yml shows it while you write."
 
 format: $(VENV)/.check
 	$(BIN)/ruff check --fix .
@@ -49,4 +55,8 @@ $(VENV)/.test: $(VENV)/.core
 
 $(VENV)/.check: $(VENV)/.core
 	$(PIP) install -q --no-compile -c constraints.txt -e ".[check]"
+	@touch $@
+
+$(VENV)/.docs: $(VENV)/.core
+	$(PIP) install -q --no-compile -c constraints.txt -e ".[docs]"
 	@touch $@

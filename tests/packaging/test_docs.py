@@ -84,3 +84,11 @@ def test_every_option_of_an_import_is_told():
 
     told = set(re.findall(r"`--(?:no-)?([a-z-]+)", BUILDINGS))
     assert {name.replace("_", "-") for name in inspect.signature(import_world).parameters} - {"file"} == told
+
+
+README = ROOT / "README.md"
+
+
+def test_every_file_the_readme_points_to_exists():
+    links = re.findall(r"\]\(([^):]+)\)", README.read_text(encoding="utf-8"))
+    assert links and all((ROOT / link).is_file() for link in links)
