@@ -5,9 +5,10 @@ BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check
 TORCH := $(shell sed -n 's/^torch==/torch==/p' constraints.txt)
 SITE = NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet --strict -f docs/site/mkdocs.yml
+COMPAT := tests/env tests/packaging/test_plugin.py tests/agents/test_train.py tests/agents/test_play.py
 SETUP := pyproject.toml constraints.txt $(wildcard packaging/*)
 
-.PHONY: demo test slow check docs format clean
+.PHONY: demo test slow compat check docs format clean
 
 demo: $(VENV)/.core
 	$(BIN)/regionslam run "go to the kitchen" --world institute --seed 1 --out out/demo
@@ -17,6 +18,15 @@ test: $(VENV)/.test
 
 slow: $(VENV)/.test
 	$(BIN)/python -m pytest -q -m slow
+
+# The tests of the environments with Gymnasium 1.2.2, which ray pins, and with the newest one.
+compat: $(VENV)/.test
+	@for version in "==1.2.2" ">=1.2,<2"; do \
+		rm -rf $(VENV)/gymnasium && $(PIP) install -q --no-deps --no-compile --target $(VENV)/gymnasium "gymnasium$$version" || exit; \
+		export PYTHONPATH=$(abspath $(VENV))/gymnasium; \
+		$(BIN)/python -c 'import gymnasium, stable_baselines3; print("gymnasium", gymnasium.__version__, "with stable-baselines3", stable_baselines3.__version__)' || exit; \
+		$(BIN)/python -m pytest -q $(COMPAT) || exit; \
+	done
 
 check: $(VENV)/.check $(VENV)/.docs
 	$(BIN)/ruff check .
