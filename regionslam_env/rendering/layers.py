@@ -16,13 +16,16 @@ from regionslam_env.rendering.palette import (
     LIDAR_SHARE,
     LINK,
     PAPER,
+    PERSON,
+    SHUT,
     Colour,
     blend,
     text_width,
     type_colour,
 )
 from regionslam_env.rendering.panel import Panel, Viewport
-from regionslam_env.rendering.shapes import Shape
+from regionslam_env.rendering.shapes import Shape, shape_of
+from regionslam_env.simulation.movers import Scene
 from regionslam_env.worlds.world import World
 from slam.rows import Floats
 
@@ -137,9 +140,7 @@ def _nearest_inside(shape: Shape, point: tuple[float, float], depth: float = 0.7
 def draw_world(panel: Panel, view: Viewport, world: World, shapes: Sequence[Shape], goal: str | None) -> None:
     """Draw the true floor: regions, furniture, walls."""
     draw_regions(panel, view, shapes, goal, edge=0.0)
-    for obstacle in world.obstacles:
-        corners = view.pixels(obstacle)
-        panel.line([*corners, corners[0], corners[1]], blend(INK, FLOOR, 0.35), 1.0)
+    _draw_obstacles(panel, view, world.obstacles)
     thickness = wall_width(view)
     ends = view.pixels(world.walls.reshape(-1, 2))
     for a, b in zip(ends[::2], ends[1::2], strict=True):
@@ -148,6 +149,22 @@ def draw_world(panel: Panel, view: Viewport, world: World, shapes: Sequence[Shap
         panel.line([a, b], INK, thickness)
         for end in (a, b):
             panel.disc(end, thickness / 2, INK)
+
+
+def draw_scene(panel: Panel, view: Viewport, scene: Scene, goal: str | None, smallest: float) -> None:
+    """Draw what moves: furniture where it stands now, closed doors, people at least `smallest` px in radius."""
+    draw_regions(panel, view, [shape_of(region) for region in scene.furniture], goal, edge=0.0)
+    _draw_obstacles(panel, view, scene.obstacles)
+    for ends in scene.door_segments.reshape(-1, 2, 2):
+        panel.line(view.pixels(ends), SHUT, 2 * wall_width(view))
+    for pose in scene.people:
+        draw_robot(panel, view, pose, scene.person_radius, PERSON, smallest)
+
+
+def _draw_obstacles(panel: Panel, view: Viewport, obstacles: Sequence[Floats]) -> None:
+    for obstacle in obstacles:
+        corners = view.pixels(obstacle)
+        panel.line([*corners, corners[0], corners[1]], blend(INK, FLOOR, 0.35), 1.0)
 
 
 def draw_lidar(

@@ -14,6 +14,8 @@ from regionslam_env.rendering.palette import (
     LINK,
     MUTED,
     PAPER,
+    PERSON,
+    SHUT,
     TRUTH,
     blend,
     text_width,
@@ -78,6 +80,14 @@ def _goal(panel: Panel, x: float, y: float) -> None:
     )
 
 
+def _person(panel: Panel, x: float, y: float) -> None:
+    panel.disc((x + SWATCH / 2, y), 6, PERSON)
+
+
+def _shut(panel: Panel, x: float, y: float) -> None:
+    panel.line([(x, y), (x + SWATCH, y)], SHUT, 4.0)
+
+
 SIGNS: tuple[NamedSign, ...] = (
     ("goal", _goal),
     ("edge seen", _closed),
@@ -90,6 +100,9 @@ SIGNS: tuple[NamedSign, ...] = (
     ("believed path", _path(BELIEF)),
     ("pose, 2 sigma", _ellipse),
 )
+
+MOVING_SIGNS: tuple[NamedSign, ...] = (*SIGNS, ("person", _person), ("closed door", _shut))
+"""The same with those of what moves."""
 
 
 def legend_height(width: int, types: Sequence[str], signs: Sequence[NamedSign] = SIGNS) -> int:

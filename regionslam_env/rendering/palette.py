@@ -22,6 +22,8 @@ BELIEF: Colour = (196, 43, 84)
 GOAL: Colour = (222, 120, 0)
 LIDAR: Colour = (22, 140, 120)
 LINK: Colour = (90, 98, 112)
+PERSON: Colour = (122, 52, 158)
+SHUT: Colour = (176, 24, 24)
 
 LIDAR_SHARE = 0.13
 """How strongly the area swept by the lidar is tinted."""
@@ -73,7 +75,7 @@ def blend(colour: Colour, other: Colour, share: float) -> Colour:
 
 def picture_colours(types: Iterable[str]) -> list[Colour]:
     """Return the colours of which pictures with these types are made: plain, pale, under the lidar and along edges."""
-    colours = [INK, MUTED, FAINT, PAPER, FLOOR, UNSEEN, TRUTH, BELIEF, GOAL, LIDAR, LINK]
+    colours = [INK, MUTED, FAINT, PAPER, FLOOR, UNSEEN, TRUTH, BELIEF, GOAL, LIDAR, LINK, PERSON, SHUT]
     for ground in (PAPER, FLOOR, UNSEEN, *map(type_colour, types)):
         colours += [ground, blend(ground, LIDAR, LIDAR_SHARE), blend(ground, INK, 0.35), blend(ground, INK, 0.7)]
         colours += [blend(ground, PAPER, 0.25), blend(ground, PAPER, 0.5)]

@@ -16,9 +16,10 @@ from regionslam_env.rendering.layers import (
     draw_path,
     draw_regions,
     draw_robot,
+    draw_scene,
     draw_world,
 )
-from regionslam_env.rendering.legend import draw_legend, legend_height
+from regionslam_env.rendering.legend import MOVING_SIGNS, SIGNS, draw_legend, legend_height
 from regionslam_env.rendering.palette import (
     BELIEF,
     FAINT,
@@ -34,6 +35,7 @@ from regionslam_env.rendering.palette import (
 )
 from regionslam_env.rendering.panel import Panel, Viewport
 from regionslam_env.rendering.shapes import Shape, shapes_of_world
+from regionslam_env.simulation.movers import Scene
 from regionslam_env.worlds.world import World
 from slam.rows import Floats
 
@@ -69,6 +71,8 @@ class Snapshot:
         What of the mission is to be done now, where it has several parts.
     goal
         Semantic type to highlight.
+    scene
+        What moves in the world, where it is now.
     """
 
     true_pose: ArrayLike
@@ -84,6 +88,7 @@ class Snapshot:
     driven: float = 0.0
     now: str = ""
     goal: str | None = None
+    scene: Scene | None = None
 
 
 class Renderer:
@@ -92,7 +97,7 @@ class Renderer:
     Parameters
     ----------
     world
-        The true floor.
+        The true floor without furniture that moves.
     start
         True start pose: where the map frame lies in the world, so that both sides show the same part of the floor.
     width
@@ -101,6 +106,8 @@ class Renderer:
         m.
     close_up
         Width of the part that the lower panels show, m.
+    scene
+        What moves in the world, at any time: the legend explains it.
     """
 
     def __init__(
@@ -111,6 +118,7 @@ class Renderer:
         robot_radius: float = 0.2,
         lidar_range: float = 10.0,
         close_up: float = 18.0,
+        scene: Scene | None = None,
     ) -> None:
         self.world = world
         self.start = np.asarray(start, dtype=np.float64)
@@ -124,11 +132,13 @@ class Renderer:
         self.overview = Viewport.fit(world.bounds, self.overview_size)
         self.shapes = shapes_of_world(world)
         self._floors: dict[str | None, Panel] = {}
-        self._legend_types = tuple(dict.fromkeys(s.type for s in self.shapes))
+        moving = () if scene is None else tuple(region.type for region in scene.furniture)
+        self._legend_types = tuple(dict.fromkeys((*(s.type for s in self.shapes), *moving)))
+        self._signs = SIGNS if scene is None else MOVING_SIGNS
         self.columns = (MARGIN, 2 * MARGIN + panel_width)
         self.rows = (HEADER + TITLE, HEADER + TITLE + self.overview_size[1] + MARGIN)
         self._caption_y = self.rows[1] + self.close_size[1]
-        foot = legend_height(width - 2 * MARGIN, self._legend_types)
+        foot = legend_height(width - 2 * MARGIN, self._legend_types, self._signs)
         self.size = (width, self._caption_y + CAPTION + foot + MARGIN // 2)
         self._background = self._draw_background()
 
@@ -204,6 +214,8 @@ class Renderer:
         return Viewport.centred(float(pose[0]), float(pose[1]), self.close_scale, self.close_size)
 
     def _draw_true_robot(self, panel: Panel, view: Viewport, snapshot: Snapshot, dots: bool, smallest: float) -> None:
+        if snapshot.scene is not None:
+            draw_scene(panel, view, snapshot.scene, snapshot.goal, 0.75 * smallest)
         draw_path(panel, view, snapshot.true_path, TRUTH)
         if snapshot.lidar is not None:
             draw_lidar(panel, view, snapshot.true_pose, snapshot.lidar, self.lidar_range, dots)
@@ -246,5 +258,5 @@ class Renderer:
             draw.text((x + font(17).getlength(title) + 10, y + 1), explanation, MUTED, font(13), anchor="lm")
         top = self._caption_y + CAPTION
         draw.line((MARGIN, top, self.size[0] - MARGIN, top), FAINT)
-        draw_legend(background, MARGIN, top + 6, self.size[0] - 2 * MARGIN, self._legend_types)
+        draw_legend(background, MARGIN, top + 6, self.size[0] - 2 * MARGIN, self._legend_types, self._signs)
         return background

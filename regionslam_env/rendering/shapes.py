@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from regionslam_env.worlds.world import World
+from regionslam_env.worlds.world import Region, World
 from slam.region import EdgeState, RegionFeature
 from slam.rows import Floats, Row
 
@@ -98,7 +98,12 @@ def _rectangle_names(row: Row) -> list[tuple[str, str]]:
 
 def shapes_of_world(world: World) -> list[Shape]:
     """Return the true regions, labelled with their names."""
-    return [Shape(r.id, r.type, r.name or r.type, r.row, parent=r.parent) for r in world.regions]
+    return [shape_of(region) for region in world.regions]
+
+
+def shape_of(region: Region) -> Shape:
+    """Return a true region, labelled with its name."""
+    return Shape(region.id, region.type, region.name or region.type, region.row, parent=region.parent)
 
 
 def shapes_of_map(regions: Iterable[RegionFeature]) -> list[Shape]:
