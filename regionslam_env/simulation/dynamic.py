@@ -112,7 +112,7 @@ class DynamicSimulation(Simulation):
         """Return the body of a piece that can be pushed; the robot's mass is one substep, and others in proportion."""
         movers = self.movers
         mass = self._dt * movers.config.furniture_mass / self.config.mass
-        polygons = [polygon.tolist() for polygon in movers.pieces[k].polygons]
+        polygons = [solid.tolist() for solid in movers.pieces[k].solids]
         areas = [pymunk.Poly(None, polygon).area for polygon in polygons]
         moment = sum(
             pymunk.moment_for_poly(mass * area / sum(areas), polygon)

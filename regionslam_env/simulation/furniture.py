@@ -16,7 +16,8 @@ from slam.rows import Row
 Floats = NDArray[np.float64]
 
 PLAY = 0.01
-"""Overlap with a wall or another obstacle (m) from which on a piece counts as fixed."""
+"""What a piece lacks on every side in the engine, m: what is built flush with it or a wall leaves room to move, and only
+what reaches in farther keeps it from moving at all."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,6 +40,15 @@ class Piece:
     obstacles: tuple[int, ...]
     centre: tuple[float, float]
     polygons: tuple[Floats, ...]
+
+    @cached_property
+    def solids(self) -> tuple[Floats, ...]:
+        """The polygons less `PLAY`."""
+        inner = [shapely.Polygon(polygon).buffer(-PLAY, join_style="mitre") for polygon in self.polygons]
+        return tuple(
+            polygon if part.is_empty else shapely.get_coordinates(part.exterior)[:-1]
+            for polygon, part in zip(self.polygons, inner, strict=True)
+        )
 
     @cached_property
     def reach(self) -> float:

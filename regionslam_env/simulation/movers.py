@@ -101,6 +101,14 @@ class Movers:
         self.rows = self._rows.copy()
         self.moved()
 
+    def begin(self, rng: np.random.Generator, start: tuple[float, float, float], go_on: bool = False) -> None:
+        """Draw everything for a robot at a start (m, m, rad); or go on, and only make way for it."""
+        if go_on:
+            self.people.make_way((*start[:2], self._robot_radius))
+            self.moved()
+        else:
+            self.draw(rng, start[:2])
+
     def draw(self, rng: np.random.Generator, robot: tuple[float, float]) -> None:
         """Draw everything anew for a robot at a place (m): people, doors that close, furniture that is movable."""
         self.people.draw(rng, robot)

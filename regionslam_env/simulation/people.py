@@ -49,6 +49,7 @@ REST = (1.0, 6.0)
 
 _TRIES = 50  # to find a place
 _ROOM = 0.1  # around a person at the ends of its way, m
+_OVERLAP = 0.02  # of robot and person (m) that a contact may leave
 _ARRIVED = 0.15  # distance from a corner of the route (m) at which the next one is headed for
 _GAIN = 0.05  # being nearer by that much (m) is getting on
 _PERSON_GAP = 0.3  # a person stops this far from another one in its way, m
@@ -91,16 +92,26 @@ class People:
         self._rng = rng
         taken: list[tuple[float, float]] = []
         for _ in range(self._count):
-            for _ in range(_TRIES):
-                place = self._spot()
-                if place is not None and self._is_free(place, robot, taken):
-                    taken.append(place)
-                    break
+            place = self._place(robot, taken)
+            if place is not None:
+                taken.append(place)
         self.records = np.zeros(len(taken), PERSON)
         self._routes: list[list[list[float]]] = [[] for _ in taken]
         self.put(np.array(taken).reshape(-1, 2))
         self.records["heading"] = rng.uniform(-math.pi, math.pi, len(taken))
         self.records["rest"] = [1 + self._steps((0.0, REST[1])) for _ in taken]
+
+    def make_way(self, robot: tuple[float, float, float]) -> None:
+        """Put everybody on whom the robot is put down (position and radius, m) somewhere else, if there is room."""
+        places = self.places
+        apart = self.radius + robot[2] - _OVERLAP
+        for k in np.flatnonzero(np.hypot(places[:, 0] - robot[0], places[:, 1] - robot[1]) < apart).tolist():
+            place = self._place(robot[:2], list(map(tuple, places.tolist())))
+            if place is not None:
+                places[k] = place
+                self._routes[k].clear()
+                self.records[k]["rest"] = 1
+        self.put(places)
 
     @property
     def places(self) -> Floats:
@@ -155,11 +166,18 @@ class People:
         i, j = divmod(int(nodes[self._rng.integers(len(nodes))]), grid.clearance.shape[1])
         return grid.x0 + i * grid.step, grid.y0 + j * grid.step
 
-    def _is_free(
-        self, place: tuple[float, float], robot: tuple[float, float], taken: list[tuple[float, float]]
-    ) -> bool:
+    def _place(self, robot: tuple[float, float], taken: list[tuple[float, float]]) -> tuple[float, float] | None:
+        """Draw a place away from the robot and apart from everybody; None where none was found."""
         apart = 2 * self.radius + _ROOM
-        return math.dist(place, robot) >= PRIVACY and all(math.dist(place, other) >= apart for other in taken)
+        for _ in range(_TRIES):
+            place = self._spot()
+            if (
+                place is not None
+                and math.dist(place, robot) >= PRIVACY
+                and all(math.dist(place, other) >= apart for other in taken)
+            ):
+                return place
+        return None
 
     def _steps(self, seconds: tuple[float, float]) -> int:
         return round(self._rng.uniform(*seconds) / self._step)
