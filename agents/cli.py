@@ -12,7 +12,7 @@ from rich.table import Table
 
 from agents.benchmark_commands import app as benchmark_app
 from agents.console import DONE, FAILED, Commands, bar, console, print_json, progress, status_console
-from agents.options import Json, WorldName, check_folder, given
+from agents.options import Dynamics, Json, WorldName, check_folder, given
 from agents.reproduce_commands import app as reproduce_app
 from agents.world_commands import app as world_app
 
@@ -56,13 +56,14 @@ def run(
     ] = None,
     localization: Annotated[str, typer.Option(help="slam, oracle or odometry.")] = "slam",
     noise: Annotated[str, typer.Option(help="Noise set: standard, heavy or none.")] = "standard",
+    dynamics: Dynamics = None,
     json: Json = False,
 ) -> int:
     """Run a mission in words with the scripted agent."""
     from agents.run import RunSettings, run_mission
 
     check_folder(out)
-    settings = RunSettings(mission, world, seed, start_distance, out, localization, noise)
+    settings = RunSettings(mission, world, seed, start_distance, out, localization, noise, dynamics)
     say = console()
     with _Teller(mission) as teller:
         summary = run_mission(settings, teller.tell)
@@ -87,6 +88,7 @@ def evaluate(
     mission: MissionText = None,
     split: Annotated[str | None, typer.Option(help="train, val or test: disjoint seeds.")] = None,
     localization: Annotated[str | None, typer.Option(help="slam, oracle or odometry.")] = None,
+    dynamics: Dynamics = None,
     json: Json = False,
 ) -> int:
     """Evaluate an agent: means with 95 % confidence intervals."""
@@ -98,10 +100,8 @@ def evaluate(
     model = load_model(agent)
     trained = {} if model is None else model.regionslam
     env_id = check_environment(env or trained.get("env_id", "RegionSLAM/GoTo-v0"))
-    kwargs = {
-        **trained.get("env_kwargs", {}),
-        **given(world=world, goal=goal, mission=mission, split=split, localization=localization),
-    }
+    chosen = given(world=world, goal=goal, mission=mission, split=split, localization=localization, dynamics=dynamics)
+    kwargs = {**trained.get("env_kwargs", {}), **chosen}
     environment = gymnasium.make(env_id, **kwargs)
     with bar() as shown:
         task = shown.add_task("episodes", total=episodes)
@@ -161,6 +161,7 @@ def play(
     goal: Goal = None,
     mission: MissionText = None,
     seed: Annotated[int | None, typer.Option(min=0, help="Play one certain episode, again and again.")] = None,
+    dynamics: Dynamics = None,
     json: Json = False,
 ) -> int:
     """Drive by keyboard in a window (extra `render`)."""
@@ -171,9 +172,8 @@ def play(
     from agents.play import play as drive
 
     say = console()
-    environment = gymnasium.make(
-        check_environment(env), world=world, render_mode="rgb_array", **given(goal=goal, mission=mission)
-    )
+    chosen = given(goal=goal, mission=mission, dynamics=dynamics)
+    environment = gymnasium.make(check_environment(env), world=world, render_mode="rgb_array", **chosen)
     say.print(HELP)
     finished: list[dict[str, Any]] = []
 

@@ -13,6 +13,7 @@ Json = Annotated[bool, typer.Option("--json", help="Print one JSON object as the
 WorldName = Annotated[str, typer.Option("--world", help="A built-in world, a kind such as office, or the file of one.")]
 Particles = Annotated[int, typer.Option("--particles", min=1, help="Particles of the filter.")]
 Noise = Annotated[str, typer.Option("--noise", help="Noise set: standard, heavy or none.")]
+Dynamics = Annotated[str | None, typer.Option("--dynamics", help="What moves: none, people, doors, furniture or all.")]
 Occlusion = Annotated[bool, typer.Option(help="Whether walls hide regions.")]
 
 

@@ -12,6 +12,7 @@ from PIL import Image
 
 from regionslam_env.rendering import GifWriter, Renderer, Snapshot, draw_map
 from regionslam_env.rendering.shapes import Shape, shapes_of_map
+from regionslam_env.simulation.movers import Scene
 
 MAX_FRAMES = 160
 FIRST_INTERVAL = 4
@@ -29,6 +30,7 @@ class _Moment:
     caption: str
     now: str
     goal: str | None
+    scene: Scene | None
 
 
 class Recorder:
@@ -80,6 +82,7 @@ class Recorder:
                 m.driven,
                 m.now,
                 m.goal,
+                m.scene,
             )
             for m in self._moments
         ]
@@ -87,10 +90,11 @@ class Recorder:
     def write_animation(self, path: Path) -> None:
         """Write the episode as a GIF."""
         renderer = Renderer(
-            self.env.world,
+            self.env.fixed_world,
             self._start,
             robot_radius=self.env.robot.radius,
             lidar_range=self.env.sensors.lidar_range,
+            scene=self.env.scene,
         )
         with GifWriter(path, colours=renderer.colours) as gif:
             for snapshot in self.snapshots():
@@ -123,4 +127,5 @@ class Recorder:
             f"{words}  ({doing})" if doing else words,
             self.env.instruction_text,
             self.env.goal,
+            self.env.scene,
         )

@@ -71,6 +71,8 @@ class RunSettings:
         "slam", "oracle" or "odometry".
     noise
         Name of a noise set.
+    dynamics
+        Name of what moves; None: nothing.
     """
 
     mission: str
@@ -80,6 +82,7 @@ class RunSettings:
     out: Path | None = None
     localization: str = "slam"
     noise: str = "standard"
+    dynamics: str | None = None
 
 
 def run_mission(settings: RunSettings, tell: Callable[[Moment], None] = lambda moment: None) -> dict[str, Any]:
@@ -138,6 +141,7 @@ def make_environment(settings: RunSettings, world: World) -> gymnasium.Env[Any, 
         "semantic_types": (*types, other),
         "localization": settings.localization,
         "noise": settings.noise,
+        "dynamics": settings.dynamics,
     }
     if settings.start_distance is not None:
         kwargs["start_distance"] = settings.start_distance

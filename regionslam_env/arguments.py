@@ -8,7 +8,7 @@ from typing import Any, NamedTuple, TypedDict, TypeVar
 
 from regionslam_env.actions import Arrival
 from regionslam_env.belief import Localization
-from regionslam_env.config import NoiseConfig, RobotConfig, from_dict
+from regionslam_env.config import DynamicsConfig, NoiseConfig, RobotConfig, from_dict
 from regionslam_env.errors import ConfigError, unknown
 from regionslam_env.missions.mission import Mission
 from regionslam_env.worlds.generate.options import WorldOptions
@@ -31,6 +31,7 @@ class CommonArguments(TypedDict, total=False):
     sensors: Mapping[str, Any] | None
     robot: str | Mapping[str, Any] | RobotConfig
     noise: str | Mapping[str, Any] | NoiseConfig
+    dynamics: str | Mapping[str, Any] | DynamicsConfig | None
     max_regions: int
     semantic_types: Sequence[str]
     reveal_truth: bool

@@ -17,13 +17,24 @@ from numpy.typing import ArrayLike, NDArray
 from regionslam_env.actions import ARRIVALS, Arrival, action_space, read_action
 from regionslam_env.arguments import CommonArguments, ResetOptions, one_of, read_options, robot_config, whole_number
 from regionslam_env.belief import LOCALIZATIONS, Localization, Localizer
-from regionslam_env.config import SEMANTIC_TYPES, NoiseConfig, RobotConfig, SensorConfig, from_dict, noise_set
+from regionslam_env.config import (
+    SEMANTIC_TYPES,
+    DynamicsConfig,
+    NoiseConfig,
+    RobotConfig,
+    SensorConfig,
+    dynamics_set,
+    from_dict,
+    noise_set,
+)
 from regionslam_env.errors import ConfigError, unknown
 from regionslam_env.missions.mission import Mission, goal_of
 from regionslam_env.observations import Observation, Observer, observed_types
 from regionslam_env.sensors.lidar import Lidar
 from regionslam_env.sensors.odometry import OdometrySensor
 from regionslam_env.sensors.region_sensor import RegionSensor
+from regionslam_env.simulation.dynamic import DynamicSimulation
+from regionslam_env.simulation.movers import Movers, Scene
 from regionslam_env.simulation.physics import Simulation
 from regionslam_env.tasks.drawing import MissionSource
 from regionslam_env.tasks.episode import Episode
@@ -119,6 +130,7 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     | sensors | None | other keys of `SensorConfig` |
     | robot | "standard" | keys of `RobotConfig` |
     | noise | "standard" | "standard", "heavy", "none", or keys of `NoiseConfig` |
+    | dynamics | None | "people", "doors", "furniture", "all", or keys of `DynamicsConfig`: what moves; None: nothing |
     | max_regions | 32 | rows for regions in an observation |
     | semantic_types | `SEMANTIC_TYPES` | types an observation tells apart; all others count as "other" |
     | reveal_truth | False | puts the true pose and distance into `info["truth"]` |
@@ -153,6 +165,7 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         sensors: Mapping[str, Any] | None = None,
         robot: str | Mapping[str, Any] | RobotConfig = "standard",
         noise: str | Mapping[str, Any] | NoiseConfig = "standard",
+        dynamics: str | Mapping[str, Any] | DynamicsConfig | None = None,
         max_regions: int = 32,
         semantic_types: Sequence[str] = SEMANTIC_TYPES,
         reveal_truth: bool = False,
@@ -172,7 +185,7 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         self.sensors = from_dict(
             SensorConfig, {"range": sensor_range, "occlusion": occlusion, **(sensors or {})}, "sensors"
         )
-        self.noise = noise_set(noise)
+        self.noise, self.dynamics = noise_set(noise), dynamics_set(dynamics)
         self.semantic_types = observed_types(semantic_types)
         self.reveal_truth, self.render_mode = reveal_truth, render_mode
 
@@ -212,12 +225,14 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         """
         super().reset(seed=seed)
         chosen = read_options(options)
-        mission_rng, odometry_rng, lidar_rng, region_rng, filter_rng, world_rng = self._generators()
+        mission_rng, odometry_rng, lidar_rng, region_rng, filter_rng, world_rng, movers_rng = self._generators()
         if chosen.keep_map:
             number = self._go_on(mission_rng, chosen)
         else:
             number = self._begin(mission_rng, world_rng, filter_rng, chosen)
         self._aim()
+        if self.movers is not None:
+            self.movers.begin(movers_rng, self.mission.start, chosen.keep_map)
         self.simulation.reset(*self.mission.start)
         self._odometry_sensor.reset(odometry_rng)
         self._lidar.reset(lidar_rng)
@@ -289,11 +304,15 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     def _enter(self, task: Task) -> None:
         """Put robot and sensors into a task's world."""
         self.task, self.world = task, task.world
-        self.simulation = Simulation(self.world, self.robot)
-        idle, arrays = np.random.default_rng(0), self.world.arrays
+        self.movers = None if self.dynamics.still else Movers(self.world, self.dynamics, self.robot)
+        if self.movers is None:
+            self.simulation, arrays = Simulation(self.world, self.robot), self.world.arrays
+        else:
+            self.simulation, arrays = DynamicSimulation(self.movers, self.robot), self.movers.fixed
+        idle = np.random.default_rng(0)
         self._odometry_sensor = OdometrySensor(self.noise, idle)
-        self._lidar = Lidar(self.sensors, self.noise, arrays, idle)
-        self._region_sensor = RegionSensor(self.sensors, self.noise, arrays, idle)
+        self._lidar = Lidar(self.sensors, self.noise, arrays, idle, self.movers)
+        self._region_sensor = RegionSensor(self.sensors, self.noise, arrays, idle, self.movers)
 
     def step(self, action: ArrayLike) -> tuple[Observation, float, bool, bool, Info]:
         """Drive for one step, measure, update the belief, and judge what happened.
@@ -375,6 +394,16 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         return self.simulation.pose
 
     @property
+    def fixed_world(self) -> World:
+        """The world without the furniture that may move."""
+        return self.world if self.movers is None else self.movers.fixed_world
+
+    @property
+    def scene(self) -> Scene | None:
+        """What moves in the world, where it is now; None where nothing does."""
+        return None if self.movers is None else self.movers.scene
+
+    @property
     def goal(self) -> str | None:
         """Semantic type to go to now; None where none is looked for."""
         return goal_of(self._instruction)
@@ -394,14 +423,14 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         return self.__dict__ | {"_renderer": None}
 
     def _generators(self) -> list[np.random.Generator]:
-        """Return the episode's own generators: of the mission, of every sensor, of the filter, and of the world.
+        """Return the episode's own generators: of mission, every sensor, filter, world, and what moves.
 
         Each is spawned from the episode's seed, so that none depends on how much another one draws: the rungs of the
         ladder and the noise sets share world, mission and start.
         """
         seed = int(self.np_random.integers(2**63, dtype=np.uint64))
         sequence = np.random.SeedSequence([seed, SPLITS.index(self._split)])
-        return [np.random.default_rng(child) for child in sequence.spawn(6)]
+        return [np.random.default_rng(child) for child in sequence.spawn(7)]
 
     def _slam_config(self, n_particles: int) -> SlamConfig:
         particles = n_particles if self.localization == "slam" else 1
@@ -415,7 +444,9 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     def _truth(self) -> Info:
         """Return what no agent may see: true poses (world frame and map frame), distance to the goal (m) or None."""
         pose = self.simulation.pose
-        return {"pose": pose, "pose_in_map": self._episode.in_map(pose), "distance_to_goal": self.task.remaining}
+        moving = {} if self.movers is None else self.movers.truth
+        pose_in_map = self._episode.in_map(pose)
+        return {"pose": pose, "pose_in_map": pose_in_map, "distance_to_goal": self.task.remaining, **moving}
 
     def _metrics(self, success: bool, declared: bool) -> Info:
         """Return the metrics of the episode that ends here."""
@@ -423,7 +454,7 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         seen = self._region_sensor.sightings >= self.belief.confirmed_after
         quality = map_quality(
             self.belief.map.regions,
-            self.world.regions,
+            self.world.regions if self.movers is None else self.movers.true_regions,
             [(link.source, link.target) for link in self.world.links],
             {self.world.regions[i].id for i in np.flatnonzero(seen)},
             self._origin,
@@ -454,10 +485,11 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
         if self._renderer is None:
             self._renderer = Renderer(
-                self.world,
+                self.fixed_world,
                 self._origin,
                 robot_radius=self.robot.radius,
                 lidar_range=self.sensors.lidar_range,
+                scene=self.scene,
             )
         belief = self.belief
         snapshot = Snapshot(
@@ -474,6 +506,7 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             caption=belief.map.describe(belief.pose_mean),
             seconds=self._episode.steps * self.robot.step,
             driven=self.simulation.path_length,
+            scene=self.scene,
         )
         return self._renderer.frame(snapshot)
 

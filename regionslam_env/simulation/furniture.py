@@ -16,8 +16,8 @@ from slam.rows import Row
 Floats = NDArray[np.float64]
 
 PLAY = 0.01
-"""What a piece lacks on every side in the engine, m: what is built flush with it or a wall leaves room to move, and only
-what reaches in farther keeps it from moving at all."""
+"""What a piece lacks on every side in the engine, m: what stands flush with it leaves it room to move, and only what
+reaches farther into it holds it for good."""
 
 
 @dataclass(frozen=True, eq=False)

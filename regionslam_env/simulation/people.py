@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from regionslam_env.config import DynamicsConfig
 from regionslam_env.worlds.clearance import Grid, clearance_at, segment_distance
-from regionslam_env.worlds.geodesic import Geodesic
+from regionslam_env.worlds.geodesic import shared_geodesic
 from regionslam_env.worlds.world import WALL_RADIUS, World
 from slam.jit import njit
 
@@ -81,7 +81,7 @@ class People:
     def __init__(self, world: World, config: DynamicsConfig, step: float) -> None:
         self.radius, self._speed = config.person_radius, config.walking_speed
         self._count, self._step = config.people, step
-        self._geodesic = Geodesic(world, self.radius)
+        self._geodesic = shared_geodesic(world, self.radius)
         self._grid: tuple[Any, ...] = tuple(self._geodesic.grid)
         self._rooms = [i for i, r in enumerate(world.regions) if r.parent is None and r.type != "door"]
         self._floors: dict[int, NDArray[np.int64]] = {}

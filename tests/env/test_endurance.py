@@ -20,10 +20,13 @@ def check_metrics(info):
 
 
 @pytest.mark.compiled
-@pytest.mark.parametrize("steps", [1_500, pytest.param(10_000, marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    ("steps", "dynamics"),
+    [(1_500, None), *(pytest.param(10_000, what, marks=pytest.mark.slow) for what in (None, "all"))],
+)
 @pytest.mark.parametrize("env_id", tuple(ENVIRONMENTS))
-def test_random_steps_stay_finite_and_metrics_in_their_range(env_id, steps):
-    env = gymnasium.make(env_id, max_steps=EPISODE)
+def test_random_steps_stay_finite_and_metrics_in_their_range(env_id, steps, dynamics):
+    env = gymnasium.make(env_id, max_steps=EPISODE, dynamics=dynamics)
     rng = np.random.default_rng(0)
     env.reset(seed=0)
     episodes = 0
