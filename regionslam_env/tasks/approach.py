@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from regionslam_env.tasks.places import Place
 from regionslam_env.tasks.task import TaskSettings
 from regionslam_env.worlds.geodesic import Field, Geodesic
 
@@ -40,7 +39,7 @@ class Approach:
     geodesic
         Of the world.
     place
-        Where to be.
+        Where to be: the distance to it, 0 or less inside.
     settings
         Duration of a step, and whether arrival is declared.
     beyond
@@ -55,12 +54,10 @@ class Approach:
     """
 
     def __init__(
-        self, geodesic: Geodesic, place: Place, settings: TaskSettings, beyond: Approach | None = None
+        self, geodesic: Geodesic, place: Field, settings: TaskSettings, beyond: Approach | None = None
     ) -> None:
-        self.place, self.beyond = place, beyond
-        self.field: Field = (
-            place.field if beyond is None else geodesic.field_through(place.nodes, place.contains, beyond.field)
-        )
+        self._place, self._beyond = place, beyond
+        self.field: Field = place if beyond is None else geodesic.field_through(place, beyond.field)
         self._declares = settings.declares
         self._steps_to_stay = max(1, math.ceil(STAY_SECONDS / settings.step - 1e-9))
         self.begin(math.inf)
@@ -72,12 +69,13 @@ class Approach:
 
     def left(self, x: float, y: float) -> float:
         """Return the length of the way from a point, m; infinite where there is none."""
-        return self._inside_left(x, y) if self.place.contains(x, y) else max(0.0, self.field.at(x, y))
+        return self._left(x, y, self._place.at(x, y))
 
     def step(self, x: float, y: float, declared: bool) -> Outcome:
         """Judge a step that ends at this true position (world frame, m)."""
-        inside = self.place.contains(x, y)
-        remaining = self._inside_left(x, y) if inside else max(0.0, self.field.at(x, y))
+        distance = self._place.at(x, y)
+        inside = distance <= 0
+        remaining = self._left(x, y, distance)
         if not math.isfinite(remaining):  # squeezed against something: no nearer, no farther
             remaining = self.remaining
         progress, self.remaining = self.remaining - remaining, remaining
@@ -86,5 +84,8 @@ class Approach:
             return Outcome(progress, inside, declared and inside, declared and not inside)
         return Outcome(progress, inside, self._stayed >= self._steps_to_stay, False)
 
-    def _inside_left(self, x: float, y: float) -> float:
-        return 0.0 if self.beyond is None else self.beyond.left(x, y)
+    def _left(self, x: float, y: float, distance: float) -> float:
+        """Return the same where the distance to the place is known, m."""
+        if self._beyond is None:
+            return max(0.0, distance)
+        return self._beyond.left(x, y) if distance <= 0 else self.field.at(x, y)

@@ -11,7 +11,6 @@ import numpy as np
 from regionslam_env.errors import ConfigError, unknown
 from regionslam_env.missions.mission import GoTo, Mission
 from regionslam_env.tasks.approach import Approach, Outcome
-from regionslam_env.tasks.places import Rooms
 from regionslam_env.tasks.rewards import REWARD_SETS, RewardConfig, goto_reward
 from regionslam_env.tasks.start import Pose, checked_distance, checked_start, draw_start, from_start
 from regionslam_env.tasks.task import DrawnMission, Moment, Task, TaskSettings, Verdict
@@ -88,7 +87,7 @@ class GoToTask(Task):
             (goal,) = mission.types
             goal, pose, shortest = self._towards(rng, goal, start, standing)
         self._instruction = GoTo(goal)
-        self._approach = Approach(self.geodesic, Rooms(self.geodesic, goal), self.settings)
+        self._approach = Approach(self.geodesic, self.geodesic.field_to_type(goal), self.settings)
         self._approach.begin(shortest)
         self._done = False
         return DrawnMission(Mission((self._instruction,)), pose, shortest)
@@ -144,7 +143,7 @@ class GoToTask(Task):
         self, rng: np.random.Generator, goal: str, start: Sequence[float] | None, standing: bool
     ) -> tuple[str, Pose, float]:
         """Draw a start, or check the one given; return goal, start, and the distance between them, m."""
-        field = Rooms(self.geodesic, goal).field
+        field = self.geodesic.field_to_type(goal)
         if start is None:
             pose = draw_start(rng, self.geodesic, field, goal, self.start_distance)
         else:

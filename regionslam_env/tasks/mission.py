@@ -13,14 +13,16 @@ from regionslam_env.missions.language import parse
 from regionslam_env.missions.mission import Explore, GoTo, Instruction, Mission, Return
 from regionslam_env.tasks.approach import Approach
 from regionslam_env.tasks.goto import drawable_types
-from regionslam_env.tasks.places import AT_HOME, Home, Place, Rooms
 from regionslam_env.tasks.rewards import MISSION_REWARD_SETS, MissionRewardConfig, mission_reward
 from regionslam_env.tasks.start import Pose, checked_distance, checked_start, draw_start, from_start
 from regionslam_env.tasks.survey import Survey
 from regionslam_env.tasks.task import DrawnMission, Moment, Task, TaskSettings, Verdict
-from regionslam_env.worlds.geodesic import Geodesic
+from regionslam_env.worlds.geodesic import Field, Geodesic
 from regionslam_env.worlds.world import World
 from slam.belief import Belief
+
+AT_HOME = 1.0
+"""Length of the way (m) within which the robot is back where the map was begun."""
 
 
 class Plan(NamedTuple):
@@ -189,7 +191,7 @@ class MissionTask(Task):
         """Draw a start, or check the one given, and find the ways."""
         first = mission.instructions[0]
         if isinstance(first, GoTo):
-            field, name, at_least = Rooms(self.geodesic, first.type).field, first.type, self.start_distance
+            field, name, at_least = self.geodesic.field_to_type(first.type), first.type, self.start_distance
         else:
             field, name, at_least = self.geodesic.field(self._survey.reachable[:1]), "region", 0.0
         if start is None:
@@ -219,10 +221,11 @@ class MissionTask(Task):
             ways.append(beyond)
         return ways[::-1]
 
-    def _place(self, instruction: GoTo | Return, home: Pose) -> Place:
+    def _place(self, instruction: GoTo | Return, home: Pose) -> Field:
+        """Return the distance to the place of an instruction, 0 or less inside."""
         if isinstance(instruction, GoTo):
-            return Rooms(self.geodesic, instruction.type)
-        return Home(self.geodesic, home[0], home[1])
+            return self.geodesic.field_to_type(instruction.type)
+        return self.geodesic.field_to_points(np.array([home[:2]]), np.array([-AT_HOME]))
 
     def _begin(self, plan: Plan) -> DrawnMission:
         """Begin the episode."""

@@ -37,15 +37,6 @@ def foot(goal: Array, x: float, y: float) -> tuple[float, float, float]:
 
 
 @njit
-def within(goals: Array, x: float, y: float) -> bool:
-    """Return whether a point is inside one of the rectangles."""
-    inside = False
-    for g in range(len(goals)):
-        inside = inside or foot(goals[g], x, y)[2] == 0
-    return inside
-
-
-@njit
 def see_goals(grid: Grid, points: Array, goals: Array, distance: Array) -> None:
     """Lower the distance of every corner that sees its nearest point of a goal rectangle."""
     for v in range(len(points)):
@@ -215,5 +206,9 @@ def query(roots: Roots, x: float, y: float) -> tuple[float, int]:
 
 @njit
 def distance_at(roots: Any, x: float, y: float) -> float:
-    """Return the distance from a point to the goal; `roots` holds the parts of `Roots` and of its grid."""
-    return query(Roots(Grid(*roots[0]), *roots[1:]), x, y)[0]
+    """Return the distance from a point to the goal, 0 inside; `roots` holds the parts of `Roots` and of its grid."""
+    named = Roots(Grid(*roots[0]), *roots[1:])
+    for g in range(len(named.goals)):
+        if foot(named.goals[g], x, y)[2] == 0:
+            return 0.0
+    return query(named, x, y)[0]

@@ -7,7 +7,7 @@ the root: its distance plus the straight line to it.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import Any
@@ -28,7 +28,6 @@ from regionslam_env.worlds.flooding import (
     see_goals,
     see_points,
     through_root,
-    within,
 )
 from regionslam_env.worlds.world import World
 from slam.rows import Floats
@@ -61,10 +60,6 @@ class Field:
     def at(self, x: float, y: float) -> float:
         """Return the distance (m) from a point until the centre is inside a goal region; infinite if it cannot be."""
         return float(distance_at(self._plain, x, y))
-
-    def inside(self, x: float, y: float) -> bool:
-        """Return whether a point is inside a goal region."""
-        return bool(within(self.roots.goals, x, y))
 
     @cached_property
     def _plain(self) -> tuple[Any, ...]:
@@ -140,6 +135,10 @@ class Geodesic:
             self._fields[indices] = self._field(indices)
         return self._fields[indices]
 
+    def field_to_type(self, region_type: str) -> Field:
+        """Return the distance field of all regions of a type; there is at least one."""
+        return self.field(i for i, region in enumerate(self.world.regions) if region.type == region_type)
+
     def route(self, start: tuple[float, float], end: tuple[float, float]) -> Floats | None:
         """Return the shortest path between two points, with its corners and both ends, (k, 2); None where none is."""
         straight = np.array([start, end], dtype=np.float64)
@@ -182,7 +181,7 @@ class Geodesic:
             np.zeros((0, 8)),
         )
 
-    def field_through(self, nodes: NDArray[np.bool_], contains: Callable[[float, float], bool], beyond: Field) -> Field:
+    def field_through(self, part: Field, beyond: Field) -> Field:
         """Return the field of the length of the shortest way into a part of the floor and from there along a field.
 
         Inside of that part the way is the one of `beyond`. A way leaves the part at one of finitely many points, less
@@ -190,34 +189,33 @@ class Geodesic:
 
         Parameters
         ----------
-        nodes
-            Which nodes of the grid belong to the part and are free, (nx, ny).
-        contains
-            Whether a point belongs to it.
+        part
+            Distance to the part, 0 or less inside.
         beyond
             Length of the way from there.
         """
+        nodes = part.nodes <= 0
         leaving = np.zeros(nodes.size, dtype=bool)
         mark_leaving(beyond.roots, nodes.ravel(), leaving)
-        exits = [self._exit(int(node), contains, beyond.roots) for node in np.flatnonzero(leaving)]
+        exits = [self._exit(int(node), part, beyond.roots) for node in np.flatnonzero(leaving)]
         points = np.array(exits, dtype=np.float64).reshape(-1, 3)
         return self.field_to_points(points[:, :2].copy(), np.maximum(0.0, points[:, 2]))
 
-    def _exit(self, node: int, contains: Callable[[float, float], bool], roots: Roots) -> tuple[float, float, float]:
+    def _exit(self, node: int, part: Field, roots: Roots) -> tuple[float, float, float]:
         """Return the point at which the way from a node leaves a part of the floor, and the length of its rest, m."""
         i, j = divmod(node, self.grid.clearance.shape[1])
         x, y, value = self.grid.x0 + i * STEP, self.grid.y0 + j * STEP, float(roots.value[node])
         _, px, py = through_root(roots, int(roots.root[node]), x, y)
         straight = float(np.hypot(px - x, py - y))
-        if value <= 0 or straight == 0 or not contains(x, y):
+        if value <= 0 or straight == 0:
             return x, y, value
         dx, dy = (px - x) / straight, (py - y) / straight
         inside, outside = 0.0, min(straight, 2 * STEP)
-        if contains(x + outside * dx, y + outside * dy):
+        if part.at(x + outside * dx, y + outside * dy) <= 0:
             return x, y, value
         for _ in range(10):
             middle = (inside + outside) / 2
-            if contains(x + middle * dx, y + middle * dy):
+            if part.at(x + middle * dx, y + middle * dy) <= 0:
                 inside = middle
             else:
                 outside = middle

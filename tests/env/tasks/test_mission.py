@@ -6,8 +6,7 @@ import pytest
 from regionslam_env.config import SEMANTIC_TYPES
 from regionslam_env.errors import ConfigError
 from regionslam_env.missions.mission import Explore, GoTo, Mission, Return
-from regionslam_env.tasks.mission import MissionTask
-from regionslam_env.tasks.places import AT_HOME
+from regionslam_env.tasks.mission import AT_HOME, MissionTask
 from regionslam_env.tasks.task import Moment, TaskSettings
 from regionslam_env.worlds.geodesic import STEP, Geodesic
 from slam import Odometry, RegionMeasurement, RegionSLAM, Scan
@@ -95,9 +94,8 @@ def test_the_way_leads_through_all_places_and_progress_sums_up_to_it():
 
 def test_ways_through_the_floor_are_as_long_as_the_best_of_all_points_to_turn_at():
     kitchen, home = GEODESIC.field(["kitchen"]), GEODESIC.field_to_points(np.array([[1.0, 1.0]]), np.zeros(1))
-    nodes = GEODESIC.floor(["kitchen"])
-    through = GEODESIC.field_through(nodes, kitchen.inside, home)
-    turns = (np.argwhere(nodes) * STEP + (GEODESIC.grid.x0, GEODESIC.grid.y0))[::20]
+    through = GEODESIC.field_through(kitchen, home)
+    turns = (np.argwhere(GEODESIC.floor(["kitchen"])) * STEP + (GEODESIC.grid.x0, GEODESIC.grid.y0))[::20]
     onwards = [(GEODESIC.field_to_points(turn[None], np.zeros(1)), home.at(*turn)) for turn in turns]
     rng = np.random.default_rng(0)
     for _ in range(10):
