@@ -52,7 +52,7 @@ def run(
         float | None, typer.Option(min=0, help="Start this far (m, as driven) from the goal.")
     ] = None,
     out: Annotated[
-        Path | None, typer.Option(help="Folder for mission.gif, map.png, map.geojson and summary.json.")
+        Path | None, typer.Option(help="Folder for mission.gif, mission.png, map.png, map.geojson and summary.json.")
     ] = None,
     localization: Annotated[str, typer.Option(help="slam, oracle or odometry.")] = "slam",
     noise: Annotated[str, typer.Option(help="Noise set: standard, heavy or none.")] = "standard",
@@ -69,7 +69,7 @@ def run(
         summary = run_mission(settings, teller.tell)
     say.print(_verdict(summary))
     if out is not None:
-        say.print(f"See {out / 'mission.gif'}, map.png, map.geojson and summary.json beside it.")
+        say.print(f"See {out / 'mission.png'}, mission.gif, map.png, map.geojson and summary.json beside it.")
     if json:
         print_json(summary)
     return DONE if summary["success"] else FAILED
@@ -89,6 +89,7 @@ def evaluate(
     split: Annotated[str | None, typer.Option(help="train, val or test: disjoint seeds.")] = None,
     localization: Annotated[str | None, typer.Option(help="slam, oracle or odometry.")] = None,
     dynamics: Dynamics = None,
+    out: Annotated[Path | None, typer.Option(help="Folder for a film and a picture of each episode.")] = None,
     json: Json = False,
 ) -> int:
     """Evaluate an agent: means with 95 % confidence intervals."""
@@ -97,6 +98,7 @@ def evaluate(
     from agents.evaluate import check_environment, load_model, make_agent, summarize
     from agents.evaluate import evaluate as run_episodes
 
+    check_folder(out)
     model = load_model(agent)
     trained = {} if model is None else model.regionslam
     env_id = check_environment(env or trained.get("env_id", "RegionSLAM/GoTo-v0"))
@@ -111,6 +113,7 @@ def evaluate(
             episodes,
             seed,
             lambda episode, metrics: shown.advance(task),
+            out,
         )
     environment.close()
     summary = summarize(results)

@@ -11,10 +11,12 @@ import gymnasium
 import numpy as np
 
 from agents.console import InputError
+from agents.recorder import Recorder
 from agents.scripted import ScriptedAgent
 from regionslam_env.errors import unknown
 from regionslam_env.registration import ENVIRONMENTS
 from regionslam_env.tasks.metrics import METRICS
+from slam.storage import replacing
 
 Z95 = 1.959964
 
@@ -122,6 +124,7 @@ def evaluate(
     episodes: int,
     seed: int = 0,
     tell: Callable[[int, Mapping[str, Any]], None] = lambda episode, metrics: None,
+    films: Path | None = None,
 ) -> list[dict[str, Any]]:
     """Run episodes with the seeds ``seed``, ``seed + 1``, ... and return the metrics of each, with `seed` and `steps`.
 
@@ -129,18 +132,26 @@ def evaluate(
     ----------
     tell
         Called after each episode with its number and metrics.
+    films
+        Folder for a film and a picture of each episode, `episode-SEED.gif` and `.png`.
     """
     results = []
     for episode in range(episodes):
-        observation, _ = env.reset(seed=seed + episode)
+        observation, info = env.reset(seed=seed + episode)
         agent.reset()
+        recorder = None if films is None else Recorder(env.unwrapped, info["mission"])
         done, steps = False, 0
-        info: dict[str, Any] = {}
         while not done:
             observation, _, terminated, truncated, info = env.step(agent.act(observation))
             done, steps = terminated or truncated, steps + 1
+            if recorder is not None:
+                recorder.add("", done)
         metrics = {key: plain(info[key]) for key in METRICS}
         results.append({"seed": seed + episode, "steps": steps, **metrics})
+        if recorder is not None and films is not None:
+            recorder.write_animation(films / f"episode-{seed + episode}.gif")
+            with replacing(films / f"episode-{seed + episode}.png") as temporary:
+                recorder.mission_picture("done" if info["success"] else "not done").save(temporary)
         tell(episode, results[-1])
     return results
 

@@ -2,17 +2,24 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from agents.console import DONE, InputError, console, print_json
 from agents.options import Json
 
+if TYPE_CHECKING:
+    from regionslam_env.worlds.world import World
+
 Size = Annotated[int, typer.Option(help="Regions in all, about: 5 to 10,000.")]
 Clutter = Annotated[float, typer.Option(help="Share of the furniture that rooms have space for, 0 to 1.")]
 Ambiguity = Annotated[float, typer.Option(help="Share of the rooms that are copies of a standard one, 0 to 1.")]
+
+LADDERS = {"size": (20, 60, 200), "clutter": (0, 0.5, 1), "ambiguity": (0, 0.5, 1)}
+"""Options in the gallery of one kind, from left to right."""
 
 
 def generate(
@@ -47,23 +54,36 @@ def generate(
 
 
 def gallery(
+    kind: Annotated[str | None, typer.Option(help="Only this kind, at several sizes and difficulties.")] = None,
     out: Annotated[Path, typer.Option(help="Picture to draw (.png).")] = Path("worlds.png"),
     seed: Annotated[int, typer.Option(min=0, help="Number of the first world of each kind.")] = 0,
     size: Size = 80,
     json: Json = False,
 ) -> int:
-    """Draw worlds of every kind side by side."""
+    """Draw worlds of every kind side by side, or of one kind with easier and harder ones below."""
     from regionslam_env.rendering.gallery import draw_gallery
     from regionslam_env.worlds.generate.generator import KINDS
-    from regionslam_env.worlds.generate.generator import generate as generate_world
     from slam.storage import replacing
 
     if out.suffix.lower() not in (".png", ".jpg", ".webp"):
         raise InputError(f"{out}: ending {out.suffix!r}, expected a picture, e.g. {out.with_suffix('.png').name}")
-    rows = [[generate_world(kind, seed + k, {"size": size}) for k in range(3)] for kind in KINDS]
+    kinds = list(KINDS) if kind is None else [kind]
+    rows = [[_world(name, seed + k, size) for k in range(3)] for name in kinds]
+    if kind is not None:
+        rows += [[_world(kind, seed, size, option, value) for value in LADDERS[option]] for option in LADDERS]
     with replacing(out) as temporary:
         draw_gallery(rows).save(temporary)
     console().print(f"Drawn: {out}")
     if json:
-        print_json({"file": str(out), "kinds": list(KINDS), "seeds": [seed, seed + 1, seed + 2]})
+        print_json({"file": str(out), "kinds": kinds, "seeds": [seed, seed + 1, seed + 2]})
     return DONE
+
+
+def _world(kind: str, seed: int, size: int, option: str = "size", value: float | None = None) -> World:
+    """Return a generated world, with one option of a value that is told in its name."""
+    from regionslam_env.worlds.generate.generator import generate as generate_world
+
+    if value is None:
+        return generate_world(kind, seed, {"size": size})
+    world = generate_world(kind, seed, {"size": size} | {option: value})
+    return replace(world, name=f"{world.name}, {option} {value}")

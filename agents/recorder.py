@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from regionslam_env.rendering import GifWriter, Renderer, Snapshot, draw_map
+from regionslam_env.rendering import GifWriter, Renderer, Snapshot, Stop, draw_map, draw_mission
 from regionslam_env.rendering.shapes import Shape, shapes_of_map
 from regionslam_env.simulation.movers import Scene
 
@@ -51,11 +51,13 @@ class Recorder:
         self._path = [np.array(env.belief.pose_mean[:2])]
         self._interval = FIRST_INTERVAL
         self._moments = [self._moment("")]
+        self._stops: list[Stop] = []
 
     def add(self, doing: str, last: bool = False) -> None:
         """Take in the state after a step; `doing` is what the agent says."""
         self._true_path.append(np.array(self.env.true_pose[:2]))
         self._path.append(np.array(self.env.belief.pose_mean[:2]))
+        self._note_stops()
         step = len(self._path) - 1
         if step % self._interval and not last:
             return
@@ -100,6 +102,12 @@ class Recorder:
             for snapshot in self.snapshots():
                 gif.add(renderer.frame(snapshot))
 
+    def mission_picture(self, verdict: str) -> Image.Image:
+        """Return one picture of the whole episode; `verdict` tells how it ended."""
+        types = self.env.mission.mission.types
+        end = replace(self.snapshots()[-1], caption=verdict, goal=types[0] if len(types) == 1 else None)
+        return draw_mission(self.env.world, self._start, end, self._stops, robot_radius=self.env.robot.radius)
+
     def map_picture(self) -> Image.Image:
         """Return a picture of the present map."""
         belief = self.env.belief
@@ -112,6 +120,12 @@ class Recorder:
             f"Believed map after “{self.title}”",
             robot_radius=self.env.robot.radius,
         )
+
+    def _note_stops(self) -> None:
+        """Note where the instructions were done that have been done since the last step."""
+        instructions = self.env.mission.mission.instructions
+        for k in range(len(self._stops), round(self.env.task.completed * len(instructions))):
+            self._stops.append(Stop(str(instructions[k]), self.env.true_pose, np.array(self.env.belief.pose_mean)))
 
     def _moment(self, doing: str) -> _Moment:
         belief = self.env.belief

@@ -66,7 +66,7 @@ class RunSettings:
     start_distance
         Geodesic distance of the start from the goal, m; None draws any start.
     out
-        Folder for `mission.gif`, `map.png`, `map.geojson` and `summary.json`; None writes nothing.
+        Folder for `mission.gif`, `mission.png`, `map.png`, `map.geojson` and `summary.json`; None writes nothing.
     localization
         "slam", "oracle" or "odometry".
     noise
@@ -166,11 +166,23 @@ def _summary(settings: RunSettings, info: dict[str, Any], steps: int, wall_secon
     return {key: plain(values[key]) for key in SUMMARY_KEYS}
 
 
+def _verdict(summary: dict[str, Any]) -> str:
+    """Return how a mission ended, in a few words."""
+    verdict = (
+        "done" if summary["success"] else "declared done what was not" if summary["false_arrival"] else "out of time"
+    )
+    return f"{verdict}; at the end the robot is {100 * summary['ape_end']:.0f} cm from where it believes to be"
+
+
 def _write(out: Path, recorder: Recorder, base: Any, summary: dict[str, Any]) -> None:
     """Write everything; each file is complete or absent, the summary comes last."""
     recorder.write_animation(out / "mission.gif")
-    with replacing(out / "map.png") as temporary:
-        recorder.map_picture().save(temporary)
+    for name, picture in (
+        ("mission.png", recorder.mission_picture(_verdict(summary))),
+        ("map.png", recorder.map_picture()),
+    ):
+        with replacing(out / name) as temporary:
+            picture.save(temporary)
     save_map(base.belief.map, out / "map.geojson")
     with replacing(out / "summary.json") as temporary:
         temporary.write_text(json.dumps(summary, indent=1, allow_nan=False) + "\n", encoding="utf-8")

@@ -51,6 +51,7 @@ from slam.motion import Odometry
 
 if TYPE_CHECKING:
     from regionslam_env.rendering.renderer import Renderer
+    from regionslam_env.rendering.text_picture import TextRenderer
 
 Floats = NDArray[np.float64]
 Info = dict[str, Any]
@@ -202,7 +203,7 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         self.action_space: spaces.Box = action_space(self.arrival)  # type: ignore[assignment]
         self._n_actions = len(self.action_space.low)
         self._running = False
-        self._renderer: Renderer | None = None
+        self._renderer: Renderer | TextRenderer | None = None
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Observation, Info]:
         """Begin an episode.
@@ -472,18 +473,20 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     def _write(self) -> str:
         """Return the robot's own words about its place, and the believed map in characters."""
         from regionslam_env.rendering.shapes import shapes_of_map
-        from regionslam_env.rendering.text_picture import text_picture
+        from regionslam_env.rendering.text_picture import TextRenderer
 
+        if not isinstance(self._renderer, TextRenderer):
+            self._renderer = TextRenderer()
         belief = self.belief
         words = f"{self.mission_text}: {belief.map.describe(belief.pose_mean)}"
-        return f"{words}\n{text_picture(shapes_of_map(belief.map), belief.pose_mean, self.goal)}"
+        return f"{words}\n{self._renderer.frame(shapes_of_map(belief.map), belief.pose_mean, self.goal)}"
 
     def _draw(self) -> NDArray[np.uint8]:
         """Draw truth and belief; what draws is imported here, so that nothing else needs it."""
         from regionslam_env.rendering.renderer import Renderer, Snapshot
         from regionslam_env.rendering.shapes import shapes_of_map
 
-        if self._renderer is None:
+        if not isinstance(self._renderer, Renderer):
             self._renderer = Renderer(
                 self.fixed_world,
                 self._origin,

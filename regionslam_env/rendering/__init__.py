@@ -2,6 +2,7 @@
 
 from regionslam_env.rendering.animation import GifWriter
 from regionslam_env.rendering.map_picture import draw_map, draw_truth
+from regionslam_env.rendering.mission_picture import Stop, draw_mission
 from regionslam_env.rendering.renderer import Renderer, Snapshot
 
-__all__ = ["GifWriter", "Renderer", "Snapshot", "draw_map", "draw_truth"]
+__all__ = ["GifWriter", "Renderer", "Snapshot", "Stop", "draw_map", "draw_mission", "draw_truth"]

@@ -45,7 +45,7 @@ def draw_regions(panel: Panel, view: Viewport, shapes: Sequence[Shape], goal: st
     """
     shapes = [shape for shape in shapes if _visible(panel, view, shape)]
     for shape in sorted(shapes, key=lambda s: -s.area):
-        fill = blend(PAPER, type_colour(shape.type), 0.35 + 0.65 * shape.certainty)
+        fill = _fill(shape)
         corners = view.pixels(shape.rectangles.reshape(-1, 2))
         for i in range(0, len(corners), 4):
             panel.polygon(corners[i : i + 4], fill)
@@ -98,7 +98,12 @@ def _label(panel: Panel, view: Viewport, shape: Shape, goal: str | None) -> None
         return
     colour = blend(GOAL, INK, 0.5) if shape.type == goal else INK
     height = max(size + 5, min(bottom - top, 0.5 * (bottom - top)))
-    panel.text(float(left + right) / 2, float(top + height / 2), shape.label, colour, size)
+    panel.text(float(left + right) / 2, float(top + height / 2), shape.label, colour, size, halo=_fill(shape))
+
+
+def _fill(shape: Shape) -> Colour:
+    """Return the colour of a region: its type's, paler the less certain it is."""
+    return blend(PAPER, type_colour(shape.type), 0.35 + 0.65 * shape.certainty)
 
 
 def draw_links(panel: Panel, view: Viewport, shapes: Sequence[Shape]) -> None:

@@ -7,7 +7,7 @@ import hashlib
 from collections.abc import Iterable
 from functools import cache, lru_cache
 
-from PIL import Image, ImageDraw, ImageFont
+from PIL import Image, ImageDraw, ImageFilter, ImageFont
 
 Colour = tuple[int, int, int]
 
@@ -110,3 +110,12 @@ def text_mask(text: str, size: int) -> Image.Image:
     mask = Image.new("L", (max(1, int(right - left) + 2), max(1, int(bottom - top) + 2)))
     ImageDraw.Draw(mask).text((1 - left, 1 - top), text, 255, font(size))
     return mask
+
+
+@lru_cache(maxsize=4096)
+def text_halo(text: str, size: int) -> Image.Image:
+    """Return what surrounds a text by 2 px, mode "L", with the same middle as its `text_mask`."""
+    mask = text_mask(text, size)
+    halo = Image.new("L", (mask.width + 6, mask.height + 6))
+    halo.paste(mask, (3, 3))
+    return halo.filter(ImageFilter.MaxFilter(5)).filter(ImageFilter.GaussianBlur(0.8)).point(lambda v: round(0.8 * v))

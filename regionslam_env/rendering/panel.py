@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from PIL import Image, ImageDraw
 
-from regionslam_env.rendering.palette import Colour, text_mask, text_width
+from regionslam_env.rendering.palette import Colour, text_halo, text_mask, text_width
 from slam.rows import Floats
 
 SUPERSAMPLING = 2
@@ -67,19 +67,19 @@ class Panel:
     size
         Width and height, px.
     background
-        Colour of the empty panel, or a panel to start from.
+        Colour of the empty panel, or a panel to go on from; that one stays as it is.
     """
 
-    def __init__(self, size: tuple[int, int], background: Colour | Image.Image) -> None:
+    def __init__(self, size: tuple[int, int], background: Colour | Panel) -> None:
         self.size = size
-        if isinstance(background, Image.Image):
-            self._image = background.copy()
+        self._texts: list[tuple[float, float, str, Colour, int, Colour | None]] = []
+        if isinstance(background, Panel):
+            self._image: Image.Image = background._image.copy()
+            self._texts += background._texts
         else:
             self._image = Image.new("RGB", (size[0] * SUPERSAMPLING, size[1] * SUPERSAMPLING), background)
         self._draw = ImageDraw.Draw(self._image)
         self._glaze = ImageDraw.Draw(self._image, "RGBA")  # blends translucent colours, and takes longer
-        self._texts: list[tuple[float, float, str, Colour, int]] = []
-        self._kept_clear: tuple[float, float, float] | None = None
 
     def polygon(self, points: Pixels, fill: Colour, alpha: float = 1.0) -> None:
         """Fill a polygon."""
@@ -128,46 +128,43 @@ class Panel:
         middles = [(round(SUPERSAMPLING * x), round(SUPERSAMPLING * y)) for x, y in centres]
         self._draw.point([(x + i, y + j) for x, y in middles for i, j in (*offsets, *corners)], colour)
 
-    def text(self, x: float, y: float, text: str, colour: Colour, size: int = 11) -> None:
-        """Set a text with its middle at (x, y) on the finished picture."""
-        self._texts.append((x, y, text, colour, size))
+    def text(self, x: float, y: float, text: str, colour: Colour, size: int = 11, halo: Colour | None = None) -> None:
+        """Set a text with its middle at (x, y) on the finished picture, above whatever is drawn before or after.
+
+        Parameters
+        ----------
+        halo
+            Colour around the letters, so that they can be read on lines.
+        """
+        self._texts.append((x, y, text, colour, size, halo))
 
     def keep_clear(self, centre: tuple[float, float], radius: float) -> None:
-        """Move texts aside that would cover a disc."""
-        self._kept_clear = (*centre, radius)
-
-    def engrave(self) -> None:
-        """Draw the texts set so far into the layer, to start other panels from it."""
-        for x, y, text, colour, size in self._texts:
-            _set(self._image, SUPERSAMPLING * x, SUPERSAMPLING * y, text, colour, SUPERSAMPLING * size)
-        self._texts.clear()
-
-    @property
-    def layer(self) -> Image.Image:
-        """Everything drawn so far at drawing size, to start other panels from."""
-        return self._image
+        """Move the texts set so far aside that would cover a disc."""
+        self._texts = [
+            (x + self._aside(x, y, text, size, centre, radius), y, text, colour, size, halo)
+            for x, y, text, colour, size, halo in self._texts
+        ]
 
     def finish(self) -> Image.Image:
         """Return the finished picture."""
         image = self._image.reduce(SUPERSAMPLING)
-        for x, y, text, colour, size in self._texts:
-            _set(image, x + self._aside(x, y, text, size), y, text, colour, size)
+        for x, y, text, colour, size, halo in self._texts:
+            if halo is not None:
+                _paste(image, (x, y), text_halo(text, size), halo)
+            _paste(image, (x, y), text_mask(text, size), colour)
         return image
 
-    def _aside(self, x: float, y: float, text: str, size: int) -> float:
+    def _aside(self, x: float, y: float, text: str, size: int, centre: tuple[float, float], radius: float) -> float:
         """Return how far to the right a text has to move, px."""
-        if self._kept_clear is None:
+        half = text_width(text, size) / 2
+        reach = half + radius + 4
+        if abs(y - centre[1]) > size / 2 + radius or abs(x - centre[0]) > reach:
             return 0.0
-        cx, cy, radius = self._kept_clear
-        reach = text_width(text, size) / 2 + radius + 4
-        if abs(y - cy) > size / 2 + radius or abs(x - cx) > reach:
-            return 0.0
-        return cx + reach - x if cx + reach + text_width(text, size) / 2 < self.size[0] else cx - reach - x
+        return (centre[0] + reach if centre[0] + reach + half < self.size[0] else centre[0] - reach) - x
 
 
-def _set(image: Image.Image, x: float, y: float, text: str, colour: Colour, size: int) -> None:
-    mask = text_mask(text, size)
-    image.paste(colour, (round(x - mask.width / 2), round(y - mask.height / 2)), mask)
+def _paste(image: Image.Image, middle: tuple[float, float], mask: Image.Image, colour: Colour) -> None:
+    image.paste(colour, (round(middle[0] - mask.width / 2), round(middle[1] - mask.height / 2)), mask)
 
 
 def _double(points: Pixels) -> Pixels:

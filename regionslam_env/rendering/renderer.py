@@ -180,7 +180,7 @@ class Renderer:
         draw.text((self.size[0] - MARGIN, HEADER + TITLE // 2), text, MUTED, font(13), anchor="rm")
 
     def _truth_overview(self, snapshot: Snapshot) -> Panel:
-        panel = Panel(self.overview_size, self._floor(snapshot.goal).layer)
+        panel = Panel(self.overview_size, self._floor(snapshot.goal))
         self._draw_true_robot(panel, self.overview, snapshot, dots=False, smallest=6.0)
         return panel
 
@@ -189,7 +189,6 @@ class Renderer:
         if goal not in self._floors:
             panel = self._floors[goal] = Panel(self.overview_size, FLOOR)
             draw_world(panel, self.overview, self.world, self.shapes, goal)
-            panel.engrave()
         return self._floors[goal]
 
     def _belief_overview(self, snapshot: Snapshot) -> Panel:

@@ -57,6 +57,7 @@ def text_picture(
     width: int = 78,
     height: int = 24,
     colour: bool = False,
+    upright: float = 0.0,
 ) -> str:
     """Return a picture made of lines, and a legend below it; unknown floor is blank.
 
@@ -74,9 +75,12 @@ def text_picture(
         Most characters and lines of the picture without legend.
     colour
         Whether characters get the colours of the pictures, by ANSI escape codes.
+    upright
+        Direction in the map frame that shall point to the right, rad: of the four turns that fit the walls, the one
+        nearest to it is taken.
     """
     x, y, heading = np.asarray(pose, dtype=np.float64)
-    turn = main_direction(shapes)
+    turn = wall_direction(shapes, upright)
     points, (row, column) = _grid(shapes, (float(x), float(y)), turn, width, height)
     grid = np.full(points.shape[:2], " ")
     for shape in sorted(shapes, key=lambda s: -s.area):
@@ -90,6 +94,24 @@ def text_picture(
     if not colour:
         lines = [line.rstrip() for line in lines]
     return "\n".join([*lines, *_legend(shapes, goal, grid[row, column], width)])
+
+
+class TextRenderer:
+    """Draws the frames of one episode, all turned alike: walls askew by half a right angle would flip to and fro."""
+
+    def __init__(self) -> None:
+        self._upright = 0.0
+
+    def frame(self, shapes: Sequence[Shape], pose: ArrayLike, goal: str | None = None) -> str:
+        """Return the `text_picture` of a moment."""
+        self._upright = wall_direction(shapes, self._upright)
+        return text_picture(shapes, pose, goal, upright=self._upright)
+
+
+def wall_direction(shapes: Sequence[Shape], near: float) -> float:
+    """Return the direction of most walls, rad: of the four along and across them the one nearest to `near`."""
+    direction, quarter = main_direction(shapes), math.pi / 2
+    return direction + quarter * round((near - direction) / quarter)
 
 
 def _grid(

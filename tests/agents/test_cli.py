@@ -50,7 +50,13 @@ def test_the_summary_is_the_last_line_and_a_file(mission):
 @pytest.mark.compiled
 def test_every_output_is_complete(mission):
     out, _ = mission
-    assert sorted(p.name for p in out.iterdir()) == ["map.geojson", "map.png", "mission.gif", "summary.json"]
+    assert sorted(p.name for p in out.iterdir()) == [
+        "map.geojson",
+        "map.png",
+        "mission.gif",
+        "mission.png",
+        "summary.json",
+    ]
     with Image.open(out / "mission.gif") as gif:
         assert gif.n_frames > 3
     with Image.open(out / "map.png") as picture:

@@ -54,6 +54,12 @@ def test_episodes_are_those_of_consecutive_seeds(env):
 
 
 @pytest.mark.compiled
+def test_episodes_are_filmed_where_asked_for(env, tmp_path):
+    evaluate(env, make_agent("random", env), 1, seed=5, films=tmp_path / "films")
+    assert sorted(file.name for file in (tmp_path / "films").iterdir()) == ["episode-5.gif", "episode-5.png"]
+
+
+@pytest.mark.compiled
 def test_the_random_agent_declares_nothing_and_repeats_itself(env):
     one, other = make_agent("random", env, seed=1), make_agent("random", env, seed=1)
     for _ in range(5):

@@ -4,7 +4,9 @@ import pytest
 from PIL import Image
 from typer.testing import CliRunner
 
+from agents import generation_commands as commands
 from agents.cli import app
+from regionslam_env.rendering.gallery import draw_gallery
 from regionslam_env.worlds.format import load_world
 from regionslam_env.worlds.generate.generator import KINDS, generate
 
@@ -62,6 +64,15 @@ def test_the_gallery_shows_every_kind(tmp_path):
     assert result.exit_code == 0 and last_json(result)["kinds"] == list(KINDS)
     picture = Image.open(tmp_path / "worlds.png")
     assert picture.size[0] > 1000 and picture.size[1] > 5 * 300
+
+
+def test_the_gallery_of_one_kind_has_rows_of_difficulty(tmp_path, monkeypatch):
+    monkeypatch.setattr(commands, "LADDERS", {"clutter": (0, 0.5, 1)})
+    result = invoke("world", "gallery", "--kind", "apartment", "--size", 10, "--out", tmp_path / "w.png", "--json")
+    assert result.exit_code == 0 and last_json(result)["kinds"] == ["apartment"]
+    one_row = draw_gallery([[generate("apartment", k, {"size": 10}) for k in range(3)]]).size[1]
+    assert Image.open(tmp_path / "w.png").size[1] > one_row + 300
+    assert invoke("world", "gallery", "--kind", "castle", "--out", tmp_path / "w.png").exit_code == 2
 
 
 def test_the_list_names_the_kinds():

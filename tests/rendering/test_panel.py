@@ -51,9 +51,9 @@ def test_dots_lie_around_their_centres():
     assert (ink * np.arange(20)).sum() / ink.sum() == pytest.approx(10 - 0.5, abs=0.3)
 
 
-def test_a_panel_starts_from_a_layer_without_changing_it():
+def test_a_panel_goes_on_from_another_one_without_changing_it():
     base = Panel((10, 10), WHITE)
-    panel = Panel((10, 10), base.layer)
+    panel = Panel((10, 10), base)
     panel.polygon([(0, 0), (10, 0), (10, 10), (0, 10)], BLACK)
     assert (np.asarray(base.finish()) == 255).all()
     assert (np.asarray(panel.finish())[2:8, 2:8] == 0).all()

@@ -6,7 +6,7 @@ import pytest
 
 from regionslam_env.config import SEMANTIC_TYPES
 from regionslam_env.rendering.shapes import Shape, shapes_of_world
-from regionslam_env.rendering.text_picture import CHARACTERS, HEADINGS, TARGET, text_picture
+from regionslam_env.rendering.text_picture import CHARACTERS, HEADINGS, TARGET, TextRenderer, text_picture
 from slam.rows import Row
 from tests.rendering.scene import world
 
@@ -55,6 +55,14 @@ def test_the_robot_shows_where_it_heads(heading, sign):
 def test_walls_run_along_the_sides():
     turned = text_picture(office(phi=0.5), (0.0, 0.0, 0.5))
     assert {line.replace(">", "o") for line in grid(turned)} == {"o" * len(grid(turned)[0])}
+
+
+def test_walls_askew_by_half_a_right_angle_do_not_flip_the_picture():
+    askew = [math.pi / 4 + shift for shift in (-0.02, 0.02, -0.01, 0.01)]
+    alone = {grid(text_picture(office(phi), (0.0, 0.0, phi)))[1].strip("o ") for phi in askew}
+    renderer = TextRenderer()
+    frames = [renderer.frame(office(phi), (0.0, 0.0, phi)) for phi in askew]
+    assert len(alone) > 1 and len(set(frames)) == 1
 
 
 def test_the_legend_names_what_is_there():
