@@ -7,7 +7,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 from gymnasium import spaces
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 Arrival = Literal["stay", "declare"]
 
@@ -43,3 +43,33 @@ def read_action(action: ArrayLike, size: int) -> Action:
     if not (math.isfinite(forward) and math.isfinite(turn) and all(map(math.isfinite, declare))):
         raise ValueError(f"action is {action!r}, expected {size} finite numbers in [-1, 1]")
     return Action(min(1.0, max(-1.0, forward)), min(1.0, max(-1.0, turn)), size == 3 and declare[0] > 0)
+
+
+def read_actions(
+    actions: ArrayLike, shape: tuple[int, ...], counted: NDArray[np.bool_]
+) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+    """Return the parts of many actions: shares of speed and turn rate, shape (N, 2), and declarations, shape (N,).
+
+    Parameters
+    ----------
+    actions
+        A row for each robot.
+    shape
+        That they have to have.
+    counted
+        Which of them will be taken; the others may be anything.
+
+    Raises
+    ------
+    ValueError
+        For another shape, or a component that is not a number.
+    """
+    values = np.asarray(actions, dtype=np.float64)
+    if values.shape != shape:
+        raise ValueError(f"actions have the shape {values.shape}, expected {shape}: finite numbers in [-1, 1]")
+    wrong = counted & ~np.isfinite(values).all(axis=1)
+    if wrong.any():
+        i = int(np.argmax(wrong))
+        raise ValueError(f"action {i} is {values[i]!r}, expected {shape[1]} finite numbers in [-1, 1]")
+    declared = values[:, 2] > 0 if shape[1] == 3 else np.zeros(len(values), np.bool_)
+    return np.clip(values[:, :2], -1.0, 1.0), declared

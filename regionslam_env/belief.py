@@ -42,7 +42,23 @@ class Localizer:
         """Forget everything; `rng` is the filter's own generator."""
         self._filter = RegionSLAM(self._config, rng)
         self._reckoning = ParticleSet.at(np.zeros(3), 1).particles
-        self.belief = self._filter.belief
+        self._belief: Belief | None = None
+
+    @property
+    def filter(self) -> RegionSLAM:
+        """The filter that maps."""
+        return self._filter
+
+    @property
+    def belief(self) -> Belief:
+        """The present belief."""
+        if self._belief is None:
+            self._belief = self._filter.belief
+        return self._belief
+
+    def forget_belief(self) -> None:
+        """Say that the filter has gone on by other means than `step`: the belief is that of its particles now."""
+        self._belief = None
 
     def carry(self) -> None:
         """Keep the map, but take the pose as unknown: the robot has been put elsewhere.
@@ -50,7 +66,7 @@ class Localizer:
         The oracle learns its pose with the next step; dead reckoning never does.
         """
         if self.localization == "slam":
-            self._filter.relocalise()
+            self._belief = self._filter.relocalise()
 
     def step(self, odometry: Odometry, scan: Scan, true_pose: Floats) -> Belief:
         """Take in what was measured and return the belief.
@@ -63,12 +79,13 @@ class Localizer:
             In the map frame, shape (3,); only the oracle looks at it.
         """
         if self.localization == "slam":
-            self.belief = self._filter.step(odometry, scan)
+            belief = self._filter.step(odometry, scan)
         elif self.localization == "oracle":
-            self.belief = self._filter.step(odometry, scan, true_pose)
+            belief = self._filter.step(odometry, scan, true_pose)
         else:
-            self.belief = self._reckon(odometry, scan)
-        return self.belief
+            belief = self._reckon(odometry, scan)
+        self._belief = belief
+        return belief
 
     def _reckon(self, odometry: Odometry, scan: Scan) -> Belief:
         """Map from the pose that odometry alone gives; the belief tells how uncertain that is."""

@@ -336,12 +336,16 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         true_pose = episode.in_map(pose)
         belief = self._perceive(odometry, pose, true_pose)
         episode.add(odometry, collided, true_pose, belief.pose_mean, belief.pose_cov)
-        last = episode.steps >= self.max_steps
-        terms, success, terminated = self.task.verdict(Moment(pose, collided, declared, belief, self._origin, last))
+        reward, terminated, truncated, info = self._judge(pose, collided, declared)
+        return self._observe(odometry, declared), reward, terminated, truncated, info
+
+    def _judge(self, pose: Floats, collided: bool, declared: bool) -> tuple[float, bool, bool, Info]:
+        """Judge a step that ends at a true pose: reward, terminated, truncated and info."""
+        last = self._episode.steps >= self.max_steps
+        moment = Moment(pose, collided, declared, self.belief, self._origin, last)
+        terms, success, terminated = self.task.verdict(moment)
         if self.task.instruction is not self._instruction:
             self._aim()
-        observation = self._observe(odometry, declared)
-
         truncated = last and not terminated
         info: Info = {"reward_terms": terms}
         if self.reveal_truth:
@@ -349,7 +353,7 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         if terminated or truncated:
             self._running = False
             info |= self._metrics(success, declared)
-        return observation, sum(terms.values()), terminated, truncated, info
+        return sum(terms.values()), terminated, truncated, info
 
     def _perceive(self, odometry: Odometry, pose: Floats, true_pose: Floats) -> Belief:
         """Measure from a true pose (world frame; `true_pose` in the map frame) and return the updated belief."""

@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 TASKS = {
-    "GoTo": "regionslam_env.envs.goto:GoToEnv",
-    "Explore": "regionslam_env.envs.explore:ExploreEnv",
-    "Mission": "regionslam_env.envs.mission:MissionEnv",
+    "GoTo": ("regionslam_env.envs.goto:GoToEnv", "regionslam_env.vector:goto"),
+    "Explore": ("regionslam_env.envs.explore:ExploreEnv", "regionslam_env.vector:explore"),
+    "Mission": ("regionslam_env.envs.mission:MissionEnv", "regionslam_env.vector:mission"),
 }
-"""Entry points of the tasks by name."""
+"""Entry points of the tasks by name: of one environment, and of many."""
 
 VARIANTS: dict[str, dict[str, Any]] = {
     "": {},
@@ -20,8 +20,8 @@ VARIANTS: dict[str, dict[str, Any]] = {
 """Keyword arguments that set a variant of a task apart."""
 
 ENVIRONMENTS: dict[str, dict[str, Any]] = {
-    f"RegionSLAM/{task}{variant}-v0": {"entry_point": entry_point, "kwargs": kwargs}
-    for task, entry_point in TASKS.items()
+    f"RegionSLAM/{task}{variant}-v0": {"entry_point": one, "vector_entry_point": many, "kwargs": kwargs}
+    for task, (one, many) in TASKS.items()
     for variant, kwargs in VARIANTS.items()
 }
 """What is registered by id; other keyword arguments can be given to `gymnasium.make`."""

@@ -93,7 +93,7 @@ class RegionSLAM:
         heaviest = int(np.argmax(theirs.cloud.particles["log_weight"]))
         cloud = theirs.cloud.repeated(heaviest, self.config.n_particles)
         self._posterior = SampledPosterior(cloud, self.config, self._rng)
-        numbers = self._type_numbers(other._types)
+        numbers = self.type_numbers(other._types)
         if len(numbers) > 0:
             cloud.maps.pool["type"] = numbers[cloud.maps.pool["type"]]
         self._scan_number = other._scan_number
@@ -146,7 +146,7 @@ class RegionSLAM:
         """Weigh where the robot may be; go on from there once that is clear."""
         self._scan_number += 1
         measured = np.zeros((len(scan), 4), REGION)
-        observe(scan.records, self._type_numbers(scan.types), measured)
+        observe(scan.records, self.type_numbers(scan.types), measured)
         measured["level"] = scan.level
         search.update(posterior.cloud.maps, measured, _view_of(scan))
         found = search.found
@@ -159,9 +159,37 @@ class RegionSLAM:
         posterior = self._posterior
         posterior.resample()  # of the last scan: until now the belief was that of its weighted particles
         self._scan_number += 1
-        doubt = posterior.update(scan, self._type_numbers(scan.types), _view_of(scan), self._scan_number, watchful)
+        doubt = posterior.update(scan, self.type_numbers(scan.types), _view_of(scan), self._scan_number, watchful)
         self._doubt = max(self._doubt + doubt, 0.0)
         return self.relocalise() if self._doubt > LOST else self.belief
+
+    def progress(self) -> tuple[int, float]:
+        """Return how many scans the filter has taken, and how much they contradicted its map (`slam.lost`)."""
+        return self._scan_number, self._doubt
+
+    def resume(self, scan_number: int, doubt: float, ess: float) -> None:
+        """Go on after a kernel has taken scans through the posterior's arrays, as `SampledPosterior.update` does.
+
+        Parameters
+        ----------
+        scan_number, doubt
+            As in `progress`; beyond `slam.lost.LOST` the filter is lost now.
+        ess
+            Effective sample size.
+        """
+        self._scan_number, self._doubt, self._posterior.ess = scan_number, doubt, ess
+        if doubt > LOST:
+            self.relocalise()
+
+    @property
+    def lost(self) -> bool:
+        """Whether the filter doesn't know where on its map the robot is."""
+        return self._search is not None
+
+    @property
+    def rng(self) -> np.random.Generator:
+        """Where poses and ancestors are drawn from."""
+        return self._rng
 
     @property
     def posterior(self) -> SampledPosterior | JointPosterior:
@@ -232,7 +260,7 @@ class RegionSLAM:
             loaded._search = Search.from_arrays(arrays, loaded.config.parameters())
         return loaded
 
-    def _type_numbers(self, types: Sequence[str]) -> NDArray[np.int64]:
+    def type_numbers(self, types: Sequence[str]) -> NDArray[np.int64]:
         """Return the filter's numbers of a scan's types; an unknown type is a new type."""
         key = tuple(types)
         if key not in self._known_types:

@@ -8,7 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from regionslam_env.config import NoiseConfig
+from regionslam_env.exact import hypot, principal
+from slam.jit import njit
 from slam.motion import Odometry
+
+Floats = NDArray[np.float64]
 
 
 class OdometrySensor:
@@ -23,13 +27,16 @@ class OdometrySensor:
         Told variances, and by what factor the simulated ones differ.
     rng
         The sensor's own generator.
+
+    Attributes
+    ----------
+    variances
+        That are simulated: of the distance per metre driven, of the rotation per metre driven and per radian turned.
     """
 
     def __init__(self, noise: NoiseConfig, rng: np.random.Generator) -> None:
         told, factor = noise.odometry, noise.odometry_factor
-        self._distance = told.distance * factor
-        self._heading_per_metre = told.heading_per_metre * factor
-        self._heading_per_radian = told.heading_per_radian * factor
+        self.variances = (told.distance * factor, told.heading_per_metre * factor, told.heading_per_radian * factor)
         self._rng = rng
 
     def reset(self, rng: np.random.Generator) -> None:
@@ -38,13 +45,29 @@ class OdometrySensor:
 
     def measure(self, before: NDArray[np.float64], after: NDArray[np.float64]) -> Odometry:
         """Return the measured motion from pose `before` to pose `after`, each x (m), y (m), theta (rad), shape (3,)."""
-        x, y, theta = before.tolist()
-        x1, y1, theta1 = after.tolist()
-        c, s = math.cos(theta), math.sin(theta)
-        forward, left = c * (x1 - x) + s * (y1 - y), c * (y1 - y) - s * (x1 - x)
-        rotation = math.remainder(theta1 - theta, 2 * math.pi)
-        metres, radians = math.hypot(forward, left), abs(rotation)
-        distance_noise, heading_noise = self._rng.standard_normal(2).tolist()
-        forward += math.sqrt(self._distance * metres) * distance_noise
-        variance = self._heading_per_metre * metres + self._heading_per_radian * radians
-        return Odometry(forward, left, rotation + math.sqrt(variance) * heading_noise)
+        return Odometry(*measure_motion(before, after, self._rng.standard_normal(2), self.variances))
+
+
+@njit
+def measure_motion(
+    before: Floats, after: Floats, normals: Floats, variances: tuple[float, float, float]
+) -> tuple[float, float, float]:
+    """Return the motion from pose `before` to pose `after`, forwards, to the left (m) and turn (rad).
+
+    Parameters
+    ----------
+    before, after
+        Poses (x, y, theta), shape (3,).
+    normals
+        Standard normal numbers, shape (2,).
+    variances
+        Of the distance per metre driven, of the rotation per metre driven and per radian turned.
+    """
+    c, s = math.cos(before[2]), math.sin(before[2])
+    dx, dy = after[0] - before[0], after[1] - before[1]
+    forward, left = c * dx + s * dy, c * dy - s * dx
+    rotation = principal(after[2] - before[2])
+    metres, radians = hypot(forward, left), abs(rotation)
+    forward += math.sqrt(variances[0] * metres) * normals[0]
+    variance = variances[1] * metres + variances[2] * radians
+    return forward, left, rotation + math.sqrt(variance) * normals[1]

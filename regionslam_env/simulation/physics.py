@@ -113,11 +113,11 @@ class Simulation:
         if not drive(
             self.state, self._drive, float(speed), float(turn_rate), self._grid, self._margin, self._engine, velocities
         ):
-            self._touch(velocities)
+            self.touch()
 
-    def _touch(self, velocities: NDArray[np.float64]) -> None:
-        """Do what `driving.touch` does, by Python's way into the engine."""
-        body, state = self._body, self.state
+    def touch(self) -> None:
+        """Do what `driving.touch` does, after a `drive` that has not, by Python's way into the engine."""
+        body, state, velocities = self._body, self.state, self._velocities
         if not state[IN_ENGINE]:
             body.position, body.velocity = tuple(state[[X, Y]].tolist()), tuple(state[[SPEED_X, SPEED_Y]].tolist())
         for force_x, force_y in velocities.tolist():

@@ -8,9 +8,14 @@ from typing import Any
 
 import numpy as np
 
-from regionslam_env.tasks.metrics import EpisodeFacts, Floats, PoseErrors, episode_metrics
+from regionslam_env.exact import hypot, principal
+from regionslam_env.tasks.metrics import EpisodeFacts, Floats, PoseErrors, accumulate_error, episode_metrics
 from regionslam_env.tasks.task import DrawnMission
+from slam.jit import njit
 from slam.motion import Odometry
+
+STEPS, WAY, COLLISIONS, COLLIDED = range(4)
+"""Places in an episode's book: steps, metres driven by odometry, times that a collision began, whether one goes on."""
 
 
 class Episode:
@@ -25,35 +30,36 @@ class Episode:
 
     Attributes
     ----------
-    steps
-        Steps so far.
+    frame
+        Of the map: x, y (m), heading (rad), its cosine and sine, shape (5,).
+    book
+        What was counted, by the places `STEPS`, `WAY`, `COLLISIONS` and `COLLIDED`.
+    pose_errors
+        Of the believed pose.
     """
 
     def __init__(self, mission: DrawnMission, origin: tuple[float, float, float]) -> None:
         self.mission = mission
-        self.steps = 0
-        self._pose_errors = PoseErrors()
-        self._odometry_path = 0.0
-        self._collisions = 0
-        self._collided = False
+        self.pose_errors = PoseErrors()
+        self.book = np.zeros(4)
         x, y, theta = origin
-        self._frame = (x, y, theta, math.cos(theta), math.sin(theta))
+        self.frame = np.array((x, y, theta, math.cos(theta), math.sin(theta)))
+
+    @property
+    def steps(self) -> int:
+        """Steps so far."""
+        return int(self.book[STEPS])
 
     def in_map(self, pose: Floats) -> Floats:
         """Return a pose of the world frame, shape (3,), in the map frame."""
-        x, y, theta = pose.tolist()
-        x0, y0, theta0, c, s = self._frame
-        dx, dy = x - x0, y - y0
-        return np.array((c * dx + s * dy, c * dy - s * dx, math.remainder(theta - theta0, 2 * math.pi)))
+        found = np.empty(3)
+        to_map(self.frame, pose, found)
+        return found
 
     def add(self, odometry: Odometry, collided: bool, true_pose: Floats, mean: Floats, covariance: Floats) -> None:
         """Write down a step; poses and covariance in the map frame, shapes (3,), (3,) and (3, 3)."""
-        self.steps += 1
-        self._odometry_path += math.hypot(odometry.distance, odometry.lateral)
-        if collided and not self._collided:
-            self._collisions += 1
-        self._collided = collided
-        self._pose_errors.add(true_pose, mean, covariance)
+        errors = self.pose_errors.sums
+        add_step(self.book, errors, odometry.distance, odometry.lateral, collided, true_pose, mean, covariance)
 
     def metrics(
         self,
@@ -72,7 +78,34 @@ class Episode:
             shortest=self.mission.shortest,
             remaining=remaining,
             path_length=path_length,
-            believed_path_length=self._odometry_path,
-            collisions=self._collisions,
+            believed_path_length=float(self.book[WAY]),
+            collisions=int(self.book[COLLISIONS]),
         )
-        return episode_metrics(facts, self._pose_errors, map_quality)
+        return episode_metrics(facts, self.pose_errors, map_quality)
+
+
+@njit
+def to_map(frame: Floats, pose: Floats, out: Floats) -> None:
+    """Write a pose of the world frame in the frame of the map (`Episode.frame`)."""
+    dx, dy = pose[0] - frame[0], pose[1] - frame[1]
+    out[0], out[1] = frame[3] * dx + frame[4] * dy, frame[3] * dy - frame[4] * dx
+    out[2] = principal(pose[2] - frame[2])
+
+
+@njit
+def add_step(
+    book: Floats,
+    errors: Floats,
+    distance: float,
+    lateral: float,
+    collided: bool,
+    true_pose: Floats,
+    mean: Floats,
+    covariance: Floats,
+) -> None:
+    """Count a step with this odometry (m) in `book`, and the error of the believed pose in `errors`."""
+    book[STEPS] += 1
+    book[WAY] += hypot(distance, lateral)
+    book[COLLISIONS] += collided and book[COLLIDED] == 0
+    book[COLLIDED] = collided
+    accumulate_error(errors, true_pose, mean, covariance)

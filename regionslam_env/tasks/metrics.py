@@ -178,14 +178,14 @@ def _finite(value: float | None) -> float | None:
 
 
 class PoseErrors:
-    """Errors of the believed pose, accumulated over the steps of an episode."""
+    """Errors of the believed pose, accumulated over the steps of an episode in `sums` (`accumulate_error`)."""
 
     def __init__(self) -> None:
-        self._sums = np.zeros(6)
+        self.sums = np.zeros(6)
 
     def add(self, true_pose: Floats, mean: Floats, covariance: Floats) -> None:
         """Take in one step: true pose and believed mean, shape (3,), and covariance, shape (3, 3), in the map frame."""
-        accumulate_error(self._sums, true_pose, mean, covariance)
+        accumulate_error(self.sums, true_pose, mean, covariance)
 
     def metrics(self) -> dict[str, float | None]:
         """Return ``ape_rmse``, ``ape_max``, ``ape_end`` (m) and ``pose_nees``; None before the first step.
@@ -193,7 +193,7 @@ class PoseErrors:
         ``pose_nees`` is the mean of ``e' C^-1 e`` over the steps whose covariance is positive definite, e in x, y and
         heading: 3 for a calibrated belief, None where the pose was never uncertain.
         """
-        steps, squares, largest, last, nees, uncertain = self._sums.tolist()
+        steps, squares, largest, last, nees, uncertain = self.sums.tolist()
         return {
             "ape_rmse": math.sqrt(squares / steps) if steps else None,
             "ape_max": largest if steps else None,
