@@ -10,6 +10,7 @@ from typer.testing import CliRunner
 from agents import cli
 from agents.cli import app
 from agents.run import SUMMARY_KEYS
+from regionslam_env.rendering.palette import PERSON, SHUT
 
 EXAMPLES = Path(__file__).parents[1] / "worlds" / "importers" / "data"
 START_IN_A_LINE = ("run", "go to the hallway", "--seed", "3")
@@ -45,6 +46,23 @@ def test_the_summary_is_the_last_line_and_a_file(mission):
     assert summary["success"] is True and summary["false_arrival"] is False
     assert summary["mission"] == "go to the hallway" and summary["world"] == "institute" and summary["seed"] == 3
     assert 0 < summary["spl"] <= 1 and summary["path_length"] >= 2 and 0 <= summary["ape_end"] <= summary["ape_max"]
+
+
+@pytest.mark.compiled
+def test_a_mission_among_people_and_closing_doors(tmp_path):
+    result = invoke(*START_IN_A_LINE, "--dynamics", "all", "--out", tmp_path, "--json")
+    assert result.exit_code == 0, result.output
+    assert last_json(result)["success"] is True
+    with Image.open(tmp_path / "mission.gif") as gif:
+        colours = {colour for _, colour in gif.convert("RGB").getcolors(2**24)}
+    assert {PERSON, SHUT} <= colours
+
+
+def test_unknown_dynamics_are_refused_in_one_line():
+    for command in (("run", "go to the hallway"), ("evaluate", "scripted"), ("play",)):
+        result = invoke(*command, "--dynamics", "peeple")
+        assert result.exit_code == 2
+        assert "unknown dynamics 'peeple': did you mean 'people'?" in result.stderr
 
 
 @pytest.mark.compiled
