@@ -1,4 +1,4 @@
-"""Speed of the whole environment, by part.
+"""Speed of the whole environment, by part, of many copies of it, and of its peers.
 
 Other programs on the same core make a machine up to two times slower. A fixed loop is therefore timed around every
 repeat, and only repeats that ran while that loop was about as quick as ever are kept.
@@ -7,13 +7,14 @@ repeat, and only repeats that ran while that loop was about as quick as ever are
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
-from typing import Any
+from typing import Any, cast
 
 import gymnasium
 import numpy as np
 
+from agents.peers import installed_peers
 from regionslam_env.errors import ConfigError
 
 QUIET = 1.15
@@ -30,16 +31,27 @@ PARTS = {
 
 
 def benchmark_environment(
-    steps: int = 20_000, repeats: int = 10, env_id: str = "RegionSLAM/GoTo-v0", seed: int = 0, **kwargs: Any
+    steps: int = 20_000,
+    repeats: int = 10,
+    env_id: str = "RegionSLAM/GoTo-v0",
+    seed: int = 0,
+    copies: int = 64,
+    tell: Callable[[str], None] = lambda line: None,
+    **kwargs: Any,
 ) -> dict[str, Any]:
     """Return steps per second of an environment under random actions that were sampled beforehand, resets included.
 
-    The goals' distance fields, which a process computes once, are not.
+    A single environment, the native vector environment and the peers that are installed take turns, on one core. The
+    goals' distance fields, which a process computes once, are not timed.
 
     Parameters
     ----------
     steps
-        In all; they are split into `repeats`.
+        In all, of each; they are split into `repeats`.
+    copies
+        In the vector environment. Its episodes begin one after the other, so that resets are spread evenly.
+    tell
+        Hears what is being done.
     kwargs
         Of the environment.
 
@@ -47,49 +59,119 @@ def benchmark_environment(
     -------
     dict
         ``steps_per_second`` and ``reset_ms`` (medians of the quiet repeats; the first includes the resets),
-        ``microseconds`` per step by part, from a run of its own with timers in it, and ``quiet`` of ``repeats``.
+        ``vector_steps_per_second`` with ``copies``, ``vector_ratio`` (of the two, turn by turn), ``peers`` (by id their
+        ``steps_per_second``, and our ``ratio`` and ``vector_ratio`` to them, turn by turn), ``microseconds`` per step
+        by part, from a run of its own with timers in it, and ``quiet`` of ``repeats``.
     """
-    env = gymnasium.make(env_id, **kwargs)
-    rng = np.random.default_rng(seed)
-    shape = (max(1, steps // repeats), *(env.action_space.shape or ()))
-    actions = rng.uniform(-1, 1, shape).astype(np.float32)
-    actions[:, 2:] = -1
-    _, info = env.reset(seed=seed)
-    if "world_seed" not in info:  # a world of its own for every episode is never computed beforehand
-        _compute_fields(env.unwrapped)
-        env.reset(seed=seed)
-    for action in actions[:50]:
-        env.step(action)
-    reset_times: list[float] = []
-
-    def repeat() -> None:
-        reset_times.append(_drive(env, actions))
-
-    durations, quiet = timed(repeat, repeats)
+    count = max(1, steps // repeats)
+    tell("setting out")
+    single = _Single(env_id, count, seed, kwargs)
+    many = _Many(env_id, copies, max(1, count // copies), seed, kwargs)
+    peers = installed_peers(count)
+    contenders: dict[str, Any] = {"single": single, "vector": many, **peers}
+    tell(f"timing {', '.join(contenders)}, turn by turn")
+    durations, quiet = race([contender.drive for contender in contenders.values()], repeats)
+    per_step = durations / np.array([[count], [many.steps], *[[count]] * len(peers)])
+    speeds = [1 / float(np.median(times[still])) for times, still in zip(per_step, quiet, strict=True)]
     result = {
         "env": env_id,
-        "steps_per_second": len(actions) / float(np.median(durations[quiet])),
-        "reset_ms": 1e3 * float(np.median(np.array(reset_times)[quiet])),
-        "microseconds": _by_part(env, actions),
-        "steps": len(actions) * repeats,
-        "quiet": int(quiet.sum()),
+        "steps_per_second": speeds[0],
+        "reset_ms": 1e3 * float(np.median(np.array(single.reset_times)[quiet[0]])),
+        "vector_steps_per_second": speeds[1],
+        "copies": copies,
+        "vector_ratio": float(np.median(per_step[0] / per_step[1])),
+        "peers": {
+            peer: {
+                "steps_per_second": speeds[k],
+                "ratio": float(np.median(per_step[k] / per_step[0])),
+                "vector_ratio": float(np.median(per_step[k] / per_step[1])),
+            }
+            for k, peer in enumerate(peers, 2)
+        },
+        "microseconds": _by_part(single.env, single.actions),
+        "steps": count * repeats,
+        "quiet": int(quiet[0].sum()),
         "repeats": repeats,
     }
-    env.close()
+    for contender in contenders.values():
+        contender.close()
     return result
+
+
+class _Single:
+    """One environment that takes all its actions, and is reset at the end."""
+
+    def __init__(self, env_id: str, steps: int, seed: int, kwargs: dict[str, Any]) -> None:
+        self.env = gymnasium.make(env_id, **kwargs)
+        self.actions = _actions((steps, *(self.env.action_space.shape or ())), seed)
+        self.reset_times: list[float] = []
+        _, info = self.env.reset(seed=seed)
+        if "world_seed" not in info:  # a world of its own for every episode is never computed beforehand
+            _compute_fields(self.env.unwrapped)
+            self.env.reset(seed=seed)
+        for action in self.actions[:50]:
+            self.env.step(action)
+
+    def drive(self) -> None:
+        """Take all actions, with resets where episodes end and at the end."""
+        self.reset_times.append(_drive(self.env, self.actions))
+
+    def close(self) -> None:
+        self.env.close()
+
+
+class _Many:
+    """Copies in the middle of episodes of all ages."""
+
+    def __init__(self, env_id: str, copies: int, steps: int, seed: int, kwargs: dict[str, Any]) -> None:
+        mode = "vector_entry_point"
+        self._envs = cast(Any, gymnasium.make_vec(env_id, copies, vectorization_mode=mode, **kwargs))
+        self.steps = steps * copies
+        self._actions = _actions((steps, *(self._envs.action_space.shape or ())), seed)
+        self._envs.reset(seed=seed)
+        (length, *_) = self._envs.get_attr("max_steps")
+        begun = 0
+        for k in range(length):
+            due = copies * (k + 1) // length
+            if due > begun:
+                mask = np.zeros(copies, np.bool_)
+                mask[begun:due] = True
+                self._envs.reset(options={"reset_mask": mask})
+                begun = due
+            self._envs.step(self._actions[k % steps])
+
+    def drive(self) -> None:
+        for actions in self._actions:
+            self._envs.step(actions)
+
+    def close(self) -> None:
+        self._envs.close()
+
+
+def _actions(shape: tuple[int, ...], seed: int) -> np.ndarray:
+    """Return random actions; none of them declares anything."""
+    actions = np.random.default_rng(seed).uniform(-1, 1, shape).astype(np.float32)
+    actions[..., 2:] = -1
+    return actions
 
 
 def timed(repeat: Callable[[], object], repeats: int) -> tuple[np.ndarray, np.ndarray]:
     """Run something several times; return the duration of each, s, and which ones ran on a quiet machine."""
-    durations, around = np.empty(repeats), np.empty(repeats)
+    durations, quiet = race([repeat], repeats)
+    return durations[0], quiet[0]
+
+
+def race(contenders: Sequence[Callable[[], object]], repeats: int) -> tuple[np.ndarray, np.ndarray]:
+    """Let several take turns; return the durations, shape (contenders, repeats), s, and which were of quiet times."""
+    durations, around = np.empty((2, len(contenders), repeats))
     for k in range(repeats):
-        before = _fixed_loop()
-        start = time.perf_counter()
-        repeat()
-        durations[k] = time.perf_counter() - start
-        around[k] = max(before, _fixed_loop())
-    quiet = around <= QUIET * around.min()
-    return durations, quiet
+        for j, contender in enumerate(contenders):
+            before = _fixed_loop()
+            start = time.perf_counter()
+            contender()
+            durations[j, k] = time.perf_counter() - start
+            around[j, k] = max(before, _fixed_loop())
+    return durations, around <= QUIET * around.min(axis=1, keepdims=True)
 
 
 def _compute_fields(env: Any) -> None:

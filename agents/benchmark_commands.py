@@ -26,22 +26,32 @@ class EnvironmentByDefault(TyperGroup):
 app = typer.Typer(cls=EnvironmentByDefault, help="Measure speed and accuracy.", rich_markup_mode=None)
 
 Steps = Annotated[int, typer.Option(min=100, help="Steps in all.")]
+Copies = Annotated[int, typer.Option(min=1, help="Copies in the vector environment.")]
 Seeds = Annotated[int, typer.Option(min=1, help="Number of seeds.")]
 
 
 @app.command("env")
-def environment(steps: Steps = 20_000, world: WorldName = "institute", json: Json = False) -> int:
-    """Count steps per second of the environment; time a step by part."""
+def environment(steps: Steps = 20_000, world: WorldName = "institute", copies: Copies = 64, json: Json = False) -> int:
+    """Count steps per second of the environment, of many copies and of installed peers; time a step by part."""
     from agents.benchmark import benchmark_environment
 
-    result = benchmark_environment(steps, world=world)
     say = console()
+    result = benchmark_environment(steps, copies=copies, world=world, tell=say.print)
     say.print(
         f"{result['env']}: {result['steps_per_second']:.0f} steps per second, reset {result['reset_ms']:.1f} ms "
         f"({result['quiet']} of {result['repeats']} repeats on a quiet machine)"
     )
     for part, microseconds in result["microseconds"].items():
         say.print(f"  {part:<14}{microseconds:8.1f} µs")
+    say.print(
+        f"{copies} copies in one process: {result['vector_steps_per_second']:.0f} steps per second in all, "
+        f"{result['vector_ratio']:.2f} times as many"
+    )
+    for peer, figures in result["peers"].items():
+        say.print(
+            f"{peer}: {figures['steps_per_second']:.0f} steps per second; ours are {figures['ratio']:.2f} times "
+            f"as many, {figures['vector_ratio']:.2f} times with {copies} copies"
+        )
     return _done(result, json)
 
 

@@ -342,7 +342,7 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     def _judge(self, pose: Floats, collided: bool, declared: bool) -> tuple[float, bool, bool, Info]:
         """Judge a step that ends at a true pose: reward, terminated, truncated and info."""
         last = self._episode.steps >= self.max_steps
-        moment = Moment(pose, collided, declared, self.belief, self._origin, last)
+        moment = Moment(pose, collided, declared, lambda: self.belief, self._origin, last)
         terms, success, terminated = self.task.verdict(moment)
         if self.task.instruction is not self._instruction:
             self._aim()

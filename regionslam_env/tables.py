@@ -20,7 +20,7 @@ LENGTH_LIMIT = 1000.0
 OPEN, EXISTENCE, TYPE_P, VISITED, CONTAINS_ME, TYPES = 12, 22, 23, 24, 25, 26
 """First columns of the parts of a region's row; see `regionslam_env.observations.RegionColumn`."""
 
-_FAR = 6.0  # standard deviations beyond which the robot is surely not there
+_FAR = 12.0  # standard deviations beyond which the robot is surely not there
 _WEAKEST_LINK = 0.1  # probability below which a link is not worth a row
 
 Floats = NDArray[np.float32]
@@ -135,14 +135,19 @@ def write_contains_me(
     """Write the probability, over the particles and their own maps, that the robot is inside each slot's region."""
     for q in range(len(particles)):
         particle = particles[q]
-        weight = math.exp(particle.log_weight)
+        weight, x, y = math.exp(particle.log_weight), particle["expected"][0], particle["expected"][1]
+        doubt = _FAR * math.sqrt(particle["spread"][0, 0] + particle["spread"][1, 1])
         for slot in range(len(ids)):
             # A slot is kept for a while for a region that the heaviest particle lacks; its row is masked.
             if ids[slot] >= 0 and places[slot] >= 0:
                 place = place_of(maps, q, ids[slot], places[slot], confirmed_after)
-                if place >= 0:
-                    p = probability_inside(region_of(maps, q, place), particle["expected"], particle["spread"])
-                    rows[slot, CONTAINS_ME] = min(1.0, rows[slot, CONTAINS_ME] + weight * p)
+                if place < 0:
+                    continue
+                region = region_of(maps, q, place)
+                if math.hypot(x - region.anchor[0], y - region.anchor[1]) > 1.01 * region.radius + doubt:
+                    continue  # so far that the probability is 0 to the last digit
+                p = probability_inside(region, particle["expected"], particle["spread"])
+                rows[slot, CONTAINS_ME] = min(1.0, rows[slot, CONTAINS_ME] + weight * p)
 
 
 @njit

@@ -86,7 +86,7 @@ class Survey:
         self._steps += 1
         before = self.shares
         if self._steps % self._period == 1 % self._period or moment.declared or moment.last:
-            self.shares = shares(moment.belief, moment.origin, self._world, self.wanted)
+            self.shares = shares(moment.believe(), moment.origin, self._world, self.wanted)
         if self._steps == 1:  # what was mapped earlier has been paid
             before = self.shares
         recall, edges = (now - then for now, then in zip(self.shares, before, strict=True))

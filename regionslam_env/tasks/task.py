@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar, NamedTuple
 
@@ -65,8 +65,8 @@ class Moment(NamedTuple):
         True pose in the world frame, shape (3,).
     collided, declared
         Something held the robot back; it declared that it is done.
-    belief
-        About pose and map.
+    believe
+        Returns the belief about pose and map, which not every task asks for.
     origin
         Pose of the map frame in the world frame.
     last
@@ -76,7 +76,7 @@ class Moment(NamedTuple):
     pose: NDArray[np.float64]
     collided: bool
     declared: bool
-    belief: Belief
+    believe: Callable[[], Belief]
     origin: Pose
     last: bool
 

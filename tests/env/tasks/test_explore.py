@@ -42,7 +42,7 @@ def begun(**settings):
 
 
 def moment(belief, declared=False, last=False, collided=False):
-    return Moment(np.array(START), collided, declared, belief, START, last)
+    return Moment(np.array(START), collided, declared, lambda: belief, START, last)
 
 
 def test_what_can_be_entered_is_wanted_and_furniture_is_not():

@@ -41,7 +41,7 @@ def begun(*instructions, declares=False, start=START, **arguments):
 
 
 def at(point, belief=NOTHING, declared=False, last=False):
-    return Moment(np.array([*point, 0.0]), False, declared, belief, START, last)
+    return Moment(np.array([*point, 0.0]), False, declared, lambda: belief, START, last)
 
 
 def stay(task, point, seconds=1.0, **told):
