@@ -11,8 +11,11 @@ from gymnasium.utils.env_checker import check_env
 from regionslam_env.envs import ExploreEnv, GoToEnv
 from regionslam_env.errors import ConfigError
 from regionslam_env.rendering.palette import PERSON
+from regionslam_env.worlds.format import save_world
 from tests.env.test_env import FLOOR, KITCHEN, OFFICE, make, rollout
 from tests.floors import furnished_room
+
+pytestmark = pytest.mark.compiled
 
 LIVELY = {"people": 2, "closing_doors": 1.0, "movable_furniture": 1.0, "time_open": 2.0, "time_closed": 1.0}
 
@@ -109,6 +112,23 @@ def test_a_kept_map_keeps_what_has_moved():
     moved, unmoved = people.places
     assert np.hypot(*(moved - KITCHEN[:2])) > 1
     assert unmoved == pytest.approx((9, 1))
+
+
+def test_the_native_vector_environment_steps_them_as_single_ones(tmp_path):
+    save_world(FLOOR, tmp_path / "rooms.geojson")
+    kwargs = {"num_envs": 2, "world": str(tmp_path / "rooms.geojson"), "dynamics": LIVELY}
+    native, sync = (
+        gymnasium.make_vec("RegionSLAM/GoTo-v0", vectorization_mode=mode, **kwargs)
+        for mode in ("vector_entry_point", "sync")
+    )
+    first, second = native.reset(seed=1)[0], sync.reset(seed=1)[0]
+    for step in range(30):
+        assert all(np.array_equal(first[key], second[key]) for key in first)
+        action = np.full((2, 2), 0.5 if step % 5 else -0.5, np.float32)
+        (first, *native_rest, _), (second, *sync_rest, _) = native.step(action), sync.step(action)
+        assert all(map(np.array_equal, native_rest, sync_rest))
+    native.close()
+    sync.close()
 
 
 def test_a_closed_door_ends_no_mission():

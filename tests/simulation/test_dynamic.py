@@ -9,6 +9,8 @@ from regionslam_env.worlds.loading import load
 from tests.floors import bent_hallway, furnished_room
 from tests.simulation.lively import lively, places
 
+pytestmark = pytest.mark.compiled
+
 ALL = {"people": 4, "closing_doors": 1.0, "movable_furniture": 1.0, "time_open": 3.0, "time_closed": 2.0}
 
 
