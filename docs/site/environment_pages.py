@@ -65,7 +65,8 @@ def environment_page(task: str, specs: Sequence[EnvSpec]) -> str:
     ids = table(("Id", "Arguments that it sets"), [(f"`{spec.id}`", arguments(spec)) for spec in specs])
     told = sections(kind)
     parts = "\n\n".join(f"## {heading}\n\n{told[heading]}" for heading in SECTIONS)
-    return f"# {task}\n\n{summary(plain)}\n\n{glance}\n\n{ids}\n\n{parts}\n"
+    picture = f"![An episode of the scripted agent: truth and belief](../{task.lower()}.png)"
+    return f"# {task}\n\n{summary(plain)}\n\n{picture}\n\n{glance}\n\n{ids}\n\n{parts}\n"
 
 
 def sections(kind: type[Any]) -> dict[str, str]:

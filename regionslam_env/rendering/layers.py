@@ -29,7 +29,7 @@ from regionslam_env.simulation.movers import Scene
 from regionslam_env.worlds.world import World
 from slam.rows import Floats
 
-SMALL = frozenset({"door", "desk", "cupboard", "table"})
+SMALL = frozenset({"door", "desk", "cupboard", "table", "bed", "sofa"})
 """Types that go without a label: their colour says it."""
 
 MAX_PATH_POINTS = 400

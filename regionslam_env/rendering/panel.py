@@ -14,6 +14,7 @@ from slam.rows import Floats
 SUPERSAMPLING = 2
 
 Pixels = list[tuple[float, float]]
+_Text = tuple[float, float, str, Colour, int, Colour | None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +73,7 @@ class Panel:
 
     def __init__(self, size: tuple[int, int], background: Colour | Panel) -> None:
         self.size = size
-        self._texts: list[tuple[float, float, str, Colour, int, Colour | None]] = []
+        self._texts: list[_Text] = []
         if isinstance(background, Panel):
             self._image: Image.Image = background._image.copy()
             self._texts += background._texts
@@ -140,10 +141,7 @@ class Panel:
 
     def keep_clear(self, centre: tuple[float, float], radius: float) -> None:
         """Move the texts set so far aside that would cover a disc."""
-        self._texts = [
-            (x + self._aside(x, y, text, size, centre, radius), y, text, colour, size, halo)
-            for x, y, text, colour, size, halo in self._texts
-        ]
+        self._texts = [(*self._aside(text, centre, radius), *text[2:]) for text in self._texts]
 
     def finish(self) -> Image.Image:
         """Return the finished picture."""
@@ -154,13 +152,16 @@ class Panel:
             _paste(image, (x, y), text_mask(text, size), colour)
         return image
 
-    def _aside(self, x: float, y: float, text: str, size: int, centre: tuple[float, float], radius: float) -> float:
-        """Return how far to the right a text has to move, px."""
-        half = text_width(text, size) / 2
-        reach = half + radius + 4
-        if abs(y - centre[1]) > size / 2 + radius or abs(x - centre[0]) > reach:
-            return 0.0
-        return (centre[0] + reach if centre[0] + reach + half < self.size[0] else centre[0] - reach) - x
+    def _aside(self, text: _Text, centre: tuple[float, float], radius: float) -> tuple[float, float]:
+        """Return where a text is off a disc: of the places beside, above and below it, the nearest in the panel."""
+        x, y, words, _, size, _ = text
+        (cx, cy), half = centre, text_width(words, size) / 2
+        wide, high = half + radius + 4, 0.5 * size + radius + 3
+        if abs(x - cx) >= wide or abs(y - cy) >= high:
+            return x, y
+        places = [(x, cy - high), (x, cy + high), (cx + wide, y), (cx - wide, y)]
+        inside = [p for p in places if half < p[0] < self.size[0] - half and size < p[1] < self.size[1] - size]
+        return min(inside or places, key=lambda place: abs(place[0] - x) + abs(place[1] - y))
 
 
 def _paste(image: Image.Image, middle: tuple[float, float], mask: Image.Image, colour: Colour) -> None:
