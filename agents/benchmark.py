@@ -1,7 +1,8 @@
 """Speed of the whole environment, by part, of many copies of it, and of its peers.
 
-Other programs on the same core make a machine up to two times slower. A fixed loop is therefore timed around every
-repeat, and only repeats that ran while that loop was about as quick as ever are kept.
+Times are the processor's, of this process alone: it waits for its turn where others want the same core. What runs
+beside it still makes it up to two times slower. A fixed loop is therefore timed around every repeat, and only repeats
+that ran while that loop was about as quick as ever are kept.
 """
 
 from __future__ import annotations
@@ -167,9 +168,9 @@ def race(contenders: Sequence[Callable[[], object]], repeats: int) -> tuple[np.n
     for k in range(repeats):
         for j, contender in enumerate(contenders):
             before = _fixed_loop()
-            start = time.perf_counter()
+            start = time.process_time()
             contender()
-            durations[j, k] = time.perf_counter() - start
+            durations[j, k] = time.process_time() - start
             around[j, k] = max(before, _fixed_loop())
     return durations, around <= QUIET * around.min(axis=1, keepdims=True)
 
@@ -183,11 +184,11 @@ def _compute_fields(env: Any) -> None:
 
 def _fixed_loop() -> float:
     """Return the time of a loop that always does the same, s: how busy the machine is."""
-    start = time.perf_counter()
+    start = time.process_time()
     total = 0
     for i in range(100_000):
         total += i * i
-    return time.perf_counter() - start
+    return time.process_time() - start
 
 
 def _drive(env: gymnasium.Env[Any, Any], actions: np.ndarray) -> float:
@@ -196,9 +197,9 @@ def _drive(env: gymnasium.Env[Any, Any], actions: np.ndarray) -> float:
     for k, action in enumerate(actions):
         _, _, terminated, truncated, _ = env.step(action)
         if terminated or truncated or k == len(actions) - 1:
-            start = time.perf_counter()
+            start = time.process_time()
             env.reset()
-            resetting, resets = resetting + time.perf_counter() - start, resets + 1
+            resetting, resets = resetting + time.process_time() - start, resets + 1
     return resetting / resets
 
 

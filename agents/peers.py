@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import importlib
 import importlib.util
+from contextlib import suppress
 from typing import Any
 
 import gymnasium
+from gymnasium.error import DependencyNotInstalled
 
 PEERS = {
     "MiniGrid-MultiRoom-N6-v0": "minigrid",
@@ -54,4 +56,9 @@ class Peer:
 
 def installed_peers(steps: int) -> dict[str, Peer]:
     """Return the peers that are installed, by id, each to take so many steps at a time."""
-    return {env_id: Peer(env_id, steps) for env_id, module in PEERS.items() if importlib.util.find_spec(module)}
+    peers = {}
+    for env_id, module in PEERS.items():
+        if importlib.util.find_spec(module):
+            with suppress(DependencyNotInstalled):  # PointMaze without its engine
+                peers[env_id] = Peer(env_id, steps)
+    return peers

@@ -51,6 +51,8 @@ class Approach:
         Length of the shortest way through the place, and through those beyond in their order, from outside of it, m.
     remaining
         Length of the way that is left after the last step, m.
+    stayed, steps_to_stay
+        Steps that the robot has been inside, and after how many of them it has arrived; where arrival is not declared.
     """
 
     def __init__(
@@ -59,13 +61,13 @@ class Approach:
         self._place, self._beyond = place, beyond
         self.field: Field = place if beyond is None else geodesic.field_through(place, beyond.field)
         self._declares = settings.declares
-        self._steps_to_stay = max(1, math.ceil(STAY_SECONDS / settings.step - 1e-9))
+        self.steps_to_stay = max(1, math.ceil(STAY_SECONDS / settings.step - 1e-9))
         self.begin(math.inf)
 
     def begin(self, remaining: float) -> None:
         """Set off with this much of the way left, m."""
         self.remaining = remaining
-        self._stayed = 0
+        self.stayed = 0
 
     def left(self, x: float, y: float) -> float:
         """Return the length of the way from a point, m; infinite where there is none."""
@@ -79,10 +81,10 @@ class Approach:
         if not math.isfinite(remaining):  # squeezed against something: no nearer, no farther
             remaining = self.remaining
         progress, self.remaining = self.remaining - remaining, remaining
-        self._stayed = self._stayed + 1 if inside else 0
+        self.stayed = self.stayed + 1 if inside else 0
         if self._declares:
             return Outcome(progress, inside, declared and inside, declared and not inside)
-        return Outcome(progress, inside, self._stayed >= self._steps_to_stay, False)
+        return Outcome(progress, inside, self.stayed >= self.steps_to_stay, False)
 
     def _left(self, x: float, y: float, distance: float) -> float:
         """Return the same where the distance to the place is known, m."""

@@ -11,8 +11,10 @@ from numpy.typing import NDArray
 from regionslam_env.env import SemanticNavigationEnv
 from regionslam_env.observations import LINK_COLUMNS, Observation
 from regionslam_env.simulation.dynamic import DynamicSimulation
+from regionslam_env.tasks.goto import GoToTask
 from regionslam_env.vector import kernels
 from regionslam_env.vector.addresses import Addresses
+from regionslam_env.vector.errands import Errands, Terms
 from regionslam_env.vector.kernels import COPY, MOVED, SCANNED, STANDING, UPDATED
 from slam.lost import LOST
 from slam.measurement import LINK, MEASUREMENT, Scan
@@ -72,6 +74,8 @@ class Copies:
             tuple(config.parameters()),
             tuple(config.priors()),
         )
+        alike = isinstance(first.task, GoToTask) and not first.reveal_truth
+        self._errands = Errands(envs) if alike else None
         for i in range(n):
             self.load(i)
 
@@ -93,12 +97,18 @@ class Copies:
         copy.grid = robot._grid[:3]
         copy.scan_number, copy.doubt = slam.progress()
         copy.ess, copy.drawn = slam.posterior.ess, sensor._drawn
+        if isinstance(env.task, GoToTask):
+            roots = env.task.approach.field.roots
+            put(i, kernels.WAY, (roots.grid.clearance, *roots[1:]))
+            copy.way_grid = roots.grid[:3]
         self.aim(i)
         self._stepped[i] = False
 
     def aim(self, i: int) -> None:
-        """Take over what an environment's observations have to tell of its instructions."""
+        """Take over what an environment has to do now, and how far it has come."""
         env, copy = self.envs[i], self.records[i]
+        if self._errands is not None:
+            self._errands.load(i)
         copy.goal, copy.kind, copy.completed = env._observer._goal, env._observer._kind, env.task.completed
 
     def _scan_of(self, i: int) -> tuple[NDArray[Any], ...]:
@@ -123,6 +133,8 @@ class Copies:
         env.scan = Scan.from_records(records[:count].copy(), sensor._types, links[: copy.links].copy(), view.copy())
         sensor._drawn, sensor._measured = int(copy.drawn), sensor._numbers[:count]
         env._localizer.filter.resume(int(copy.scan_number), float(copy.doubt), float(copy.ess))
+        if self._errands is not None:
+            self._errands.store(i)
         env._localizer.forget_belief()
 
     def step(self, which: Ints, commands: NDArray[np.float64]) -> None:
@@ -167,6 +179,19 @@ class Copies:
             sensor = env._region_sensor
             sensor._rng.standard_normal(out=sensor._normals)
             copy.drawn = 0
+
+    def judge(self, which: Ints, declared: NDArray[np.bool_]) -> tuple[Ints, NDArray[np.float64], Terms | None]:
+        """Judge the steps that the kernels can judge; return whose these are, rewards (N,) and their terms.
+
+        The others have to be judged by their environments, whose tasks are brought up to date for it.
+        """
+        judged, rewards, terms = np.zeros(0, np.int64), np.zeros(len(self.envs)), None
+        if self._errands is not None:
+            kernels.look_ahead(which, self.records, self._addresses.table)
+            judged, rewards, terms = self._errands.judge(which, self.records, declared)
+            for i in np.setdiff1d(which, judged).tolist():
+                self._errands.store(i)
+        return judged, rewards, terms
 
     def lost(self, which: Ints) -> Ints:
         """Return those whose filters got lost in this step; their beliefs have to be asked for."""

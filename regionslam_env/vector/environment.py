@@ -14,6 +14,7 @@ from regionslam_env.actions import read_actions
 from regionslam_env.env import SemanticNavigationEnv
 from regionslam_env.observations import Observation
 from regionslam_env.vector.copies import Copies, can_step_together
+from regionslam_env.vector.errands import Terms
 from regionslam_env.vector.infos import gather_infos
 
 Info = dict[str, Any]
@@ -85,8 +86,7 @@ class NavigationVectorEnv(SyncVectorEnv):
         together = self._together(starting)
         for i in np.flatnonzero(~starting & ~together).tolist():
             infos[i] = self._step_alone(i, np.asarray(actions)[i])
-        if together.any():
-            self._step_together(np.flatnonzero(together), shares, declared, infos)
+        terms = self._step_together(np.flatnonzero(together), shares, declared, infos) if together.any() else None
         over = self._terminations | self._truncations
         if self.autoreset_mode == AutoresetMode.SAME_STEP:
             for i in np.flatnonzero(over).tolist():
@@ -97,7 +97,7 @@ class NavigationVectorEnv(SyncVectorEnv):
             {key: rows.copy() for key, rows in self._observations.items()} if self.copy else self._observations
         )
         flags = self._terminations.copy(), self._truncations.copy()
-        return observations, self._rewards.copy(), *flags, gather_infos(self, infos, last)
+        return observations, self._rewards.copy(), *flags, gather_infos(self, infos, last, terms)
 
     def _starting(self) -> Flags:
         """Return which copies begin an episode in this step."""
@@ -124,25 +124,29 @@ class NavigationVectorEnv(SyncVectorEnv):
         self._write(i, observation)
         return info
 
-    def _step_together(self, which: NDArray[np.int64], shares: Any, declared: Flags, infos: list[Info]) -> None:
-        """Step copies by kernels."""
+    def _step_together(self, which: NDArray[np.int64], shares: Any, declared: Flags, infos: list[Info]) -> Terms | None:
+        """Step copies by kernels; return the terms of their rewards that were judged together."""
         copies, robot = self._copies, self.envs[0].robot
         copies.step(which, shares * np.array([robot.max_speed, robot.max_turn_rate]))
         lost = copies.lost(which).tolist()
         for i in lost:
             copies.store(i)
             copies.note(i)
+        judged, rewards, terms = copies.judge(np.setdiff1d(which, lost), declared)
+        self._rewards[judged] = rewards[judged]
+        self._terminations[judged] = self._truncations[judged] = False
         poses, said = copies.records["pose"], declared.tolist()
-        for i in which.tolist():
+        for i in np.setdiff1d(which, judged).tolist():
             env = self.envs[i]
             before = env._instruction
-            judged = env._judge(poses[i].copy(), env.simulation.collided, said[i])
-            self._rewards[i], self._terminations[i], self._truncations[i], infos[i] = judged
-            if judged[1] or env._instruction is not before:
+            verdict = env._judge(poses[i].copy(), env.simulation.collided, said[i])
+            self._rewards[i], self._terminations[i], self._truncations[i], infos[i] = verdict
+            if verdict[1] or verdict[2] or env._instruction is not before:
                 copies.aim(i)
         copies.observe(np.setdiff1d(which, lost), declared, self._observations)
         for i in lost:
             self._write(i, self.envs[i]._observe(copies.odometry(i), said[i]))
+        return terms
 
     def _begin(self, i: int) -> Info:
         """Begin an episode of a copy; return its info."""

@@ -17,6 +17,7 @@ from regionslam_env.sensors.region_sensor import SOURCE, sense
 from regionslam_env.simulation.driving import COLLIDED, THETA, drive
 from regionslam_env.tasks.episode import STEPS, add_step, to_map
 from regionslam_env.vector.addresses import Row, line, sheet
+from regionslam_env.worlds.flooding import distance_at
 from regionslam_env.worlds.world import TRUE_REGION
 from slam.grid import SLOT
 from slam.jit import njit
@@ -60,11 +61,12 @@ from slam.scan_update import resample, update_particles
     COLUMNS,
     PARTICLES,
     MAPS,
-) = (0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 12, 15, 16, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29, 30, 31, 32, 33, 34, 35)
+    WAY,
+) = (0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 12, 15, 16, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29, 30, 31, 32, 33, 34, 35, 45)
 """Places of the arrays of a copy: of robot and world, episode, lidar, region sensor (lists of what is near are three
-arrays), observation and filter (maps are ten)."""
+arrays), observation and filter (maps are ten), and way to the goal: its field (eight)."""
 
-ARRAYS = MAPS + 10
+ARRAYS = WAY + 8
 
 COPY = np.dtype(
     (
@@ -89,6 +91,10 @@ COPY = np.dtype(
             ("goal", np.int64),  # column of its type, -1 for none
             ("kind", np.int64),  # of instruction: its column in `progress`
             ("stage", np.int64),
+            ("way_grid", np.float64, (3,)),  # corner (m) and step (m) of the grid of the way to the goal
+            ("way", np.float64),  # that is left, m
+            ("steps", np.int64),  # of the episode
+            ("collided", np.bool_),
         ],
     )
 )
@@ -195,6 +201,7 @@ def measure(
     nearby, normals = near_rows[2][first:last], line(row, NORMALS, np.float64)
     if copy.drawn + len(nearby) * DRAWS > len(normals):
         return False
+    copy.collided = state[COLLIDED] != 0.0
     for k in range(THETA + 1):
         copy.pose[k] = state[k]
     distance, lateral, rotation = measure_motion(copy.before, copy.pose, motion_normals, variances)
@@ -280,9 +287,28 @@ def update(copy: Any, row: Row, normals: Floats, parameters: tuple[Any, ...], pr
 @njit
 def note(copy: Any, row: Row) -> None:
     """Write a step down in the book of its episode."""
-    collided = line(row, STATE, np.float64)[COLLIDED] != 0.0
     book, errors = line(row, BOOK, np.float64), line(row, ERRORS, np.float64)
-    add_step(book, errors, copy.odometry[0], copy.odometry[1], collided, copy.true_pose, copy.mean, copy.cov)
+    add_step(book, errors, copy.odometry[0], copy.odometry[1], copy.collided, copy.true_pose, copy.mean, copy.cov)
+    copy.steps = int(book[STEPS])
+
+
+@njit
+def look_ahead(which: Ints, copies: Copies, table: Row) -> None:
+    """Write down how much of their ways is left to robots that go to one place."""
+    for i in which:
+        copy, row = copies[i], table[i]
+        grid = copy.way_grid
+        field = (
+            (grid[0], grid[1], grid[2], sheet(row, WAY, np.float64)),
+            sheet(row, WAY + 1, np.float64),
+            line(row, WAY + 2, np.float64),
+            sheet(row, WAY + 3, np.float64),
+            line(row, WAY + 4, np.int64),
+            line(row, WAY + 5, np.int64),
+            line(row, WAY + 6, np.int64),
+            line(row, WAY + 7, np.float64),
+        )
+        copy.way = distance_at(field, copy.pose[0], copy.pose[1])
 
 
 @njit

@@ -1,7 +1,5 @@
 from __future__ import annotations
 
-import time
-
 import numpy as np
 import pytest
 
@@ -21,8 +19,8 @@ def test_the_environment_is_timed_by_part():
 
 
 def test_every_repeat_is_timed_and_at_least_one_counts_as_quiet():
-    durations, quiet = timed(lambda: time.sleep(0.002), 3)
-    assert len(durations) == 3 and np.all(durations >= 0.002) and quiet.any()
+    durations, quiet = timed(lambda: sum(range(100_000)), 3)
+    assert len(durations) == 3 and np.all(durations > 0) and quiet.any()
 
 
 def test_contenders_take_turns():
