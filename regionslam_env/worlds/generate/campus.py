@@ -1,4 +1,4 @@
-"""A campus: buildings along paths, each with its door to a path, inside a fence. Paths are ground without walls."""
+"""A campus: buildings along paths between hedges, which are walls to robot and sensors; each has its door to a path."""
 
 from __future__ import annotations
 
@@ -36,9 +36,6 @@ ACCESS = (22, 30)
 
 LAWN = (30, 70)
 """Distance of buildings from the path and from each other, dm."""
-
-BORDER = 40
-"""Distance of the fence from everything, dm."""
 
 BLOCK = 350
 """Longest stretch of path that counts as one place, dm."""
@@ -83,18 +80,34 @@ def _pavilion(options: WorldOptions, rng: np.random.Generator) -> Building:
 
 def _turned(building: Building, name: str, rng: np.random.Generator) -> _Site:
     """Return a building with one of its doors looking down, its lowest point at y = 0 and its leftmost at x = 0."""
-    best = [gap for gap in building.entrances if gap.rooms[0].type == "lobby"] or building.entrances
-    door, draft = best[int(rng.integers(len(best)))], building.draft
+    draft = building.draft
+    free = [gap for gap in building.entrances if _is_free(draft, gap)] or building.entrances
+    best = [gap for gap in free if gap.rooms[0].type == "lobby"] or free
+    door = best[int(rng.integers(len(best)))]
     draft.gaps.append(door)
     draft.transform(Turn(swap=door.axis == 1))
-    _, y0, _, y1 = draft.bounds
-    if 2 * door.at > y0 + y1:
+    if _outward(door) > 0:
         draft.transform(Turn(flip_y=True))
     x0, y0, x1, y1 = draft.bounds
     draft.transform(Turn(dx=-x0, dy=-y0))
     for place in draft.rooms:
         place.building = name
     return _Site(draft, door, x1 - x0, y1 - y0)
+
+
+def _outward(door: Gap) -> int:
+    """Return on which side of a door to the outside that is: -1 or 1 across its axis."""
+    across = 1 - door.axis
+    inside = (b for b in door.rooms[0].boxes if b[door.axis] <= door.low and door.high <= b[door.axis + 2])
+    return -1 if any(box[across] == door.at for box in inside) else 1
+
+
+def _is_free(draft: Draft, door: Gap) -> bool:
+    """Return whether the way straight out of a door meets no other part of the building."""
+    side, along, across = _outward(door), door.axis, 1 - door.axis
+    low, high = (door.low + door.high - ACCESS[1]) // 2, (door.low + door.high + ACCESS[1]) // 2
+    beside = [b for room in draft.rooms for b in room.boxes if b[along] < high and b[along + 2] > low]
+    return all(box[across] >= door.at if side < 0 else box[across + 2] <= door.at for box in beside)
 
 
 def _along_paths(sites: list[_Site], rng: np.random.Generator) -> Draft:
@@ -122,7 +135,6 @@ def _along_paths(sites: list[_Site], rng: np.random.Generator) -> Draft:
         paths.append((y, y + width, [site.door for site in (*south, *north)]))
         y += width + max((site.depth + setbacks[id(site)] for site in north), default=0) + LAWN[0]
     _pave(campus, paths, length + STREET[1] if streets > 1 else length, rng)
-    _fence(campus)
     return campus
 
 
@@ -169,13 +181,6 @@ def _beside_doors(x: int, doors: list[Gap]) -> int:
 
 def _ground(campus: Draft, box: tuple[int, int, int, int], title: str) -> Room:
     x0, y0, x1, y1 = box
-    room = Room("outdoor", [box], axis=0 if x1 - x0 >= y1 - y0 else 1, title=title, walls=False)
+    room = Room("outdoor", [box], axis=0 if x1 - x0 >= y1 - y0 else 1, title=title)
     campus.rooms.append(room)
     return room
-
-
-def _fence(campus: Draft) -> None:
-    """Put a fence around everything: the robot cannot leave the campus."""
-    x0, y0, x1, y1 = campus.bounds
-    x0, y0, x1, y1 = x0 - BORDER, y0 - BORDER, x1 + BORDER, y1 + BORDER
-    campus.fences += [(0, y0, x0, x1), (0, y1, x0, x1), (1, x0, y0, y1), (1, x1, y0, y1)]

@@ -17,14 +17,13 @@ Box = tuple[int, int, int, int]
 class Room:
     """A place: one to three boxes in a row along an axis (0: x, 1: y).
 
-    `walls` is false for ground without walls; `building` names where it is, on a campus.
+    `building` names where it is, on a campus.
     """
 
     type: str
     boxes: list[Box]
     axis: int = 0
     title: str = ""
-    walls: bool = True
     building: str = ""
 
     @property
@@ -61,7 +60,6 @@ class Draft:
     rooms: list[Room] = field(default_factory=list)
     gaps: list[Gap] = field(default_factory=list)
     items: list[Item] = field(default_factory=list)
-    fences: list[tuple[int, int, int, int]] = field(default_factory=list)  # walls (axis, at, low, high) of no room
 
     @property
     def size(self) -> int:
@@ -80,7 +78,6 @@ class Draft:
         self.rooms += other.rooms
         self.gaps += other.gaps
         self.items += other.items
-        self.fences += other.fences
 
     def transform(self, turn: Turn) -> None:
         """Move everything."""
@@ -91,7 +88,6 @@ class Draft:
             gap.axis, gap.at, gap.low, gap.high = turn.wall((gap.axis, gap.at, gap.low, gap.high))
         for item in self.items:
             item.box = turn.box(item.box)
-        self.fences = [turn.wall(fence) for fence in self.fences]
 
 
 @dataclass(frozen=True)

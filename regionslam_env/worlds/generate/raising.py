@@ -38,11 +38,8 @@ def walls_of(draft: Draft) -> list[tuple[int, int, int, int]]:
     solid: dict[tuple[int, int], list[Interval]] = defaultdict(list)
     open_: dict[tuple[int, int], list[Interval]] = defaultdict(list)
     for room in draft.rooms:
-        if room.walls:
-            for axis, at, low, high in sides(room):
-                solid[axis, at].append((low, high))
-    for axis, at, low, high in draft.fences:
-        solid[axis, at].append((low, high))
+        for axis, at, low, high in sides(room):
+            solid[axis, at].append((low, high))
     for gap in draft.gaps:
         open_[gap.axis, gap.at].append((gap.low, gap.high))
     walls = []
