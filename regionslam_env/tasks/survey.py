@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from functools import lru_cache
 from typing import NamedTuple
 
 from regionslam_env.errors import ConfigError
@@ -9,16 +11,20 @@ from regionslam_env.tasks.start import Pose
 from regionslam_env.tasks.task import Moment, TaskSettings
 from regionslam_env.worlds.geodesic import Geodesic
 from regionslam_env.worlds.reachability import largest_part
-from regionslam_env.worlds.world import World
+from regionslam_env.worlds.world import Region, World
 from slam.belief import Belief
-from slam.evaluation.matching import match_pairs, moved, overlapping_pairs
+from slam.evaluation.matching import moved, one_to_one, overlapping_pairs
 from slam.region import EdgeState
+from slam.se2 import inverse
 
 ASSESSED_EVERY = 2.0
 """How often the map is compared with the truth, s: what it has gained is paid then."""
 
 OVERLAP, TOLERANCE = 0.5, 1.0
 """When a mapped region stands for a true one, m: as in `slam.evaluation.map_quality`."""
+
+FOUND = 0.5
+"""Least share of a true region's area that has to be on the map: a piece seen through a door is no room yet."""
 
 
 class Gain(NamedTuple):
@@ -98,7 +104,8 @@ class Survey:
 def shares(belief: Belief, origin: Pose, world: World, wanted: frozenset[str]) -> tuple[float, float]:
     """Return the shares of wanted regions on the believed map and of their edges that are closed, each in [0, 1].
 
-    A region that is not mapped has no closed edge; joints of rectangles are no edges.
+    Mapped is a region for which one of the map stands, as in `slam.evaluation.map_quality`, with `FOUND` of its area at
+    least. One that is not mapped has no closed edge; joints of rectangles are no edges.
 
     Parameters
     ----------
@@ -111,16 +118,22 @@ def shares(belief: Belief, origin: Pose, world: World, wanted: frozenset[str]) -
     wanted
         Ids of its regions, at least one.
     """
-    rooms = [region for region in world.regions if region.parent is None]
-    furniture = set(world.types) - {region.type for region in rooms}  # inside of rooms, which it could be taken for
+    rooms, furniture = _rooms(world, origin)
     mapped = [feature for feature in belief.map.regions if feature.type not in furniture]
-    features = {feature.id: feature for feature in mapped}
-    rows = [moved(feature.row, origin) for feature in mapped]
-    pairs = overlapping_pairs(mapped, rows, rooms, OVERLAP, TOLERANCE)
-    matches = match_pairs(pairs, mapped, rows, rooms, OVERLAP)
-    found = [features[match.mapped] for match in matches if match.true in wanted]
+    rows = [feature.row for feature in mapped]
+    pairs = one_to_one(overlapping_pairs(mapped, rows, rooms, OVERLAP, TOLERANCE), OVERLAP)
+    found = [mapped[pair.mapped] for pair in pairs if pair.found >= FOUND and rooms[pair.true].id in wanted]
     closed = 0.0
     for feature in found:
         edges = [state for state in feature.edges.values() if state is not EdgeState.SUBRECT]
         closed += sum(state is EdgeState.CLOSED for state in edges) / len(edges)
     return len(found) / len(wanted), closed / len(wanted)
+
+
+@lru_cache(maxsize=8)
+def _rooms(world: World, origin: Pose) -> tuple[tuple[Region, ...], frozenset[str]]:
+    """Return the rooms of a world in the map frame, and the types of what stands in them and could be taken for one."""
+    rooms = [region for region in world.regions if region.parent is None]
+    there = inverse(origin)
+    moved_rooms = tuple(replace(region, row=moved(region.row, there)) for region in rooms)
+    return moved_rooms, frozenset(world.types) - {region.type for region in rooms}

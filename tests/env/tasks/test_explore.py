@@ -68,6 +68,14 @@ def test_shares_are_of_the_whole_floor():
     assert shares(ALL, (103.0, 2.0, 0.0), world, wanted) == (0, 0)  # all of it in the wrong place
 
 
+@pytest.mark.parametrize(("depth", "found"), [(1.5, False), (2.5, False), (3.5, True), (6.0, True)])
+def test_a_piece_of_a_room_seen_through_its_door_is_not_the_room(depth, found):
+    piece = RegionMeasurement("kitchen", x=3.0 + depth / 2, y=0.0, w=depth, h=4.0, r=EdgeState.OPEN)
+    world, wanted = two_rooms(), build().survey.wanted
+    explored, _ = shares(mapping(OFFICE, piece), START, world, wanted)
+    assert explored == pytest.approx((2 if found else 1) / 3)
+
+
 def test_what_the_map_gains_is_paid_once_and_losing_it_costs_as_much():
     task = begun()
     assert task.verdict(moment(NOTHING)).terms["recall"] == 0
