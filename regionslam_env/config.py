@@ -47,6 +47,10 @@ SEMANTIC_TYPES = (
 """Semantic types that an observation can tell apart. The filter's are free text: an unlisted one counts as the last."""
 
 
+LARGEST = 1e4
+"""Values above this are no setting of a robot, in no unit: a slip, or more than fits into memory."""
+
+
 @dataclass(frozen=True)
 class RobotConfig:
     """A round differential-drive robot.
@@ -182,6 +186,11 @@ class NoiseConfig:
         for part in (self.odometry, self.regions):
             for entry in dataclasses.fields(part):
                 _not_negative(part, entry.name)
+        if self.regions.sigma_xy == 0:
+            raise ConfigError(
+                "regions.sigma_xy is 0, expected a length above 0: the filter has to be told some noise "
+                "(simulated_factor=0 makes measurements exact)"
+            )
 
 
 def noise_set(noise: str | Mapping[str, Any] | NoiseConfig) -> NoiseConfig:
@@ -306,7 +315,7 @@ def _convert(kind: Any, value: Any, where: str) -> Any:
         raise ConfigError(f"{where} is {value!r}, expected true or false")
     try:
         number = float(value)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise ConfigError(f"{where} is {value!r}, expected a number") from None
     if isinstance(value, bool | str):
         raise ConfigError(f"{where} is {value!r}, expected a number")
@@ -321,14 +330,14 @@ def _convert(kind: Any, value: Any, where: str) -> Any:
 
 def _positive(config: Any, name: str) -> None:
     value = getattr(config, name)
-    if not (value > 0 and math.isfinite(value)):
-        raise ConfigError(f"{name} is {value}, expected a number above 0")
+    if not 0 < value <= LARGEST:
+        raise ConfigError(f"{name} is {value}, expected a number above 0 and up to {LARGEST:g}")
 
 
 def _not_negative(config: Any, name: str) -> None:
     value = getattr(config, name)
-    if not (value >= 0 and math.isfinite(value)):
-        raise ConfigError(f"{name} is {value}, expected a number of at least 0")
+    if not 0 <= value <= LARGEST:
+        raise ConfigError(f"{name} is {value}, expected a number of at least 0 and up to {LARGEST:g}")
 
 
 def _probability(config: Any, name: str) -> None:

@@ -15,16 +15,23 @@ from gymnasium.error import ResetNeeded
 from numpy.typing import ArrayLike, NDArray
 
 from regionslam_env.actions import ARRIVALS, Arrival, action_space, read_action
-from regionslam_env.arguments import CommonArguments, ResetOptions, one_of, read_options, robot_config, whole_number
+from regionslam_env.arguments import (
+    CommonArguments,
+    ResetOptions,
+    one_of,
+    read_options,
+    robot_config,
+    sensor_config,
+    whole_number,
+    yes_or_no,
+)
 from regionslam_env.belief import LOCALIZATIONS, Localization, Localizer
 from regionslam_env.config import (
     SEMANTIC_TYPES,
     DynamicsConfig,
     NoiseConfig,
     RobotConfig,
-    SensorConfig,
     dynamics_set,
-    from_dict,
     noise_set,
 )
 from regionslam_env.errors import ConfigError, unknown
@@ -55,6 +62,9 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 Info = dict[str, Any]
+
+MOST_SLOTS, MOST_PARTICLES = 10_000, 100_000
+"""Rows for regions, and particles: more would not fit into memory."""
 
 
 class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
@@ -181,14 +191,14 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         self.arrival = one_of("arrival", arrival, ARRIVALS)
         if render_mode is not None:
             one_of("render_mode", render_mode, self.metadata["render_modes"])
-        self.max_steps, n_slots = whole_number("max_steps", max_steps), whole_number("max_regions", max_regions)
+        self.max_steps = whole_number("max_steps", max_steps)
+        n_slots = whole_number("max_regions", max_regions, MOST_SLOTS)
+        n_particles = whole_number("n_particles", n_particles, MOST_PARTICLES)
         self.robot = robot_config(robot)
-        self.sensors = from_dict(
-            SensorConfig, {"range": sensor_range, "occlusion": occlusion, **(sensors or {})}, "sensors"
-        )
+        self.sensors = sensor_config(sensor_range, occlusion, sensors)
         self.noise, self.dynamics = noise_set(noise), dynamics_set(dynamics)
         self.semantic_types = observed_types(semantic_types)
-        self.reveal_truth, self.render_mode = reveal_truth, render_mode
+        self.reveal_truth, self.render_mode = yes_or_no("reveal_truth", reveal_truth), render_mode
 
         self._localizer = Localizer(self.localization, self._slam_config(n_particles))
         settings = TaskSettings(self.semantic_types, self.robot.step, self.arrival == "declare")

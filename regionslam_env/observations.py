@@ -290,7 +290,7 @@ def observed_types(types: Sequence[str]) -> tuple[str, ...]:
     ConfigError
         For no types at all, or the same one twice.
     """
-    if isinstance(types, str) or not all(isinstance(t, str) and t for t in types):
+    if not isinstance(types, Sequence) or isinstance(types, str) or not all(isinstance(t, str) and t for t in types):
         raise ConfigError(f"semantic_types is {types!r}, expected a sequence of names")
     named = tuple(t for t in types if t != "other")
     if not named or len(set(named)) < len(named):

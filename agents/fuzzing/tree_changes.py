@@ -47,7 +47,7 @@ def change_xml(content: bytes, rng: random.Random) -> bytes:
     """Return XML with one element changed; `ValueError` where there is none to begin with."""
     try:
         root = ElementTree.fromstring(content)
-    except ElementTree.ParseError as error:
+    except (ElementTree.ParseError, LookupError) as error:  # an encoding that there is not
         raise ValueError(str(error)) from None
     pairs = [(parent, k) for parent in root.iter() for k in range(len(parent))]
     if not pairs:

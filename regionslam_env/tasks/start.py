@@ -8,6 +8,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from regionslam_env.errors import ConfigError, WorldError
+from regionslam_env.worlds.feature import FARTHEST
 from regionslam_env.worlds.geodesic import Field, Geodesic
 
 Pose = tuple[float, float, float]
@@ -35,7 +36,7 @@ def checked_start(geodesic: Geodesic, start: Sequence[float], standing: bool) ->
     """Return a start as a pose, or refuse it; a robot that is `standing` may touch something."""
     try:
         values = np.asarray(start, dtype=np.float64).tolist()
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         values = None
     if not isinstance(values, list) or len(values) != 3 or not all(map(_is_finite, values)):
         raise ConfigError(f"start is {start!r}, expected a pose (x, y, theta) in m, m, rad")
@@ -61,8 +62,8 @@ def from_start(distance: Callable[[float, float], float], start: Pose, standing:
 def checked_distance(start_distance: float) -> float:
     """Return the least distance of a start from its goal, m, or refuse it."""
     number = isinstance(start_distance, int | float) and not isinstance(start_distance, bool)
-    if not number or not (math.isfinite(start_distance) and start_distance >= 0):
-        raise ConfigError(f"start_distance is {start_distance!r}, expected a length of at least 0 m")
+    if not number or not 0 <= start_distance <= FARTHEST:
+        raise ConfigError(f"start_distance is {start_distance!r}, expected a length from 0 to {FARTHEST:g} m")
     return float(start_distance)
 
 
@@ -76,5 +77,6 @@ def _no_start(geodesic: Geodesic, field: Field, goal: str, at_least: float) -> s
     if not len(reach):
         return f"{prefix}no {goal!r} can be reached by the robot"
     return (
-        f"{prefix}no free place is {at_least:g} m or more from every {goal!r}: the farthest is {reach.max():.1f} m away"
+        f"{prefix}no free place is {at_least:g} m or more from every {goal!r} (start_distance): "
+        f"the farthest is {reach.max():.1f} m away"
     )

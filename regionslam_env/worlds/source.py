@@ -65,6 +65,8 @@ class WorldSource:
     def __init__(
         self, world: str | Path | World, options: Mapping[str, Any] | WorldOptions | None = None, split: str = "train"
     ) -> None:
+        if not isinstance(world, str | Path | World):
+            raise ConfigError(f"world is {world!r}, expected a name, a path or a World")
         self.kind = world if isinstance(world, str) and world in KINDS else None
         self._split = split
         self._options = from_dict(WorldOptions, options, "world_options")

@@ -34,6 +34,7 @@ def read(source: Source, options: ImportOptions) -> Drawing:
     """Return the drawing of one storey."""
     model = _open(source)
     try:
+        _check_entities(source, model)
         return _drawing(source, model, options)
     except WorldError:
         raise
@@ -82,11 +83,9 @@ def _open(source: Source) -> Any:
     text = source.text
     _check_references(source, text)
     try:
-        model = ifcopenshell.file.from_string(text)
+        return ifcopenshell.file.from_string(text)
     except Exception as error:  # the parser has a dozen exceptions of its own
         raise WorldError(f"{source.path}: {' '.join(str(error).split())[:200]}, expected an IFC model") from None
-    _check_entities(source, model)
-    return model
 
 
 def _check_references(source: Source, text: str) -> None:
