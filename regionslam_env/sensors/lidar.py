@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -48,8 +50,7 @@ class Lidar:
         self.angles = ray_angles(config.n_lidar_rays)
         self._normals = np.zeros(config.n_lidar_rays)
         self._directions = ray_directions(config.n_lidar_rays)
-        self._segments = np.concatenate([arrays.walls, arrays.obstacles])
-        self._nearby = NearbyIndex(segment_boxes(self._segments), self._range)
+        self._segments, self._nearby = _fixed_segments(arrays, self._range)
         self._movers, self._fixed = movers, len(self._segments)
         if movers is not None:
             self._segments = np.concatenate([self._segments, movers.segments])
@@ -85,6 +86,13 @@ class Lidar:
             return nearby
         self._segments[self._fixed :] = movers.segments
         return np.concatenate((nearby, self._fixed + movers.present))
+
+
+@lru_cache(maxsize=8)
+def _fixed_segments(arrays: WorldArrays, reach: float) -> tuple[Floats, NearbyIndex]:
+    """Return walls and sides of obstacles, and which are near where; all lidars in a world share them."""
+    segments = np.concatenate([arrays.walls, arrays.obstacles])
+    return segments, NearbyIndex(segment_boxes(segments), reach)
 
 
 @njit

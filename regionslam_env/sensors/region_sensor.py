@@ -7,6 +7,7 @@ else it lies where the view ends and is open. The noise is drawn on the paramete
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -71,13 +72,12 @@ class RegionSensor:
         self._noise, self._confidence, self._movers = noise, config.confidence, movers
         self._rows, self._types = np.asarray(arrays.rows).view(np.ndarray), arrays.types
         self._walls = arrays.walls if config.occlusion else np.zeros((0, 4))
-        self._near_walls = NearbyIndex(segment_boxes(self._walls), config.range)
+        near_walls, self._near_rows, starts, neighbours = _near_lists(arrays, config.range)
+        self._near_walls = near_walls if config.occlusion else NearbyIndex(self._walls, config.range)
         self._fixed_walls, self._occlusion = len(self._walls), config.occlusion
         if movers is not None:
             self._rows = _frozen(self._rows.copy())
             self._walls = _frozen(np.concatenate([self._walls, movers.doors.segments]))
-        self._near_rows = NearbyIndex(_circle_boxes(self._rows), config.range)
-        starts, neighbours = _adjacency(arrays.links, len(self._rows))
         self._most_links = int(np.diff(starts).max(initial=0))
         self._n_rays = config.n_view_rays
         in_view = np.abs(ray_angles(self._n_rays)) <= config.field_of_view / 2 + 1e-9
@@ -323,6 +323,14 @@ def write_links(
     for k in range(count):
         slots[sources[k].region] = -1
     return written
+
+
+@lru_cache(maxsize=8)
+def _near_lists(arrays: WorldArrays, reach: float) -> tuple[NearbyIndex, NearbyIndex, Ints, Ints]:
+    """Return which walls and regions are near where, and `_adjacency`; all sensors in a world share them."""
+    rows = np.asarray(arrays.rows).view(np.ndarray)
+    near_walls = NearbyIndex(segment_boxes(arrays.walls), reach)
+    return near_walls, NearbyIndex(_circle_boxes(rows), reach), *_adjacency(arrays.links, len(rows))
 
 
 def _frozen(array: NDArray[Any]) -> NDArray[Any]:

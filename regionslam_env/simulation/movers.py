@@ -148,7 +148,7 @@ class Movers:
     @property
     def fixed(self) -> WorldArrays:
         """The same for sensors, but with every region: `regions` of them have to be looked up in `rows`."""
-        return self.world.arrays._replace(obstacles=self.fixed_world.obstacle_segments)
+        return replace(self.world.arrays, obstacles=self.fixed_world.obstacle_segments)
 
     @property
     def true_regions(self) -> tuple[Region, ...]:

@@ -9,6 +9,7 @@ last word. Where nothing is near, the engine is left out.
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -71,7 +72,7 @@ class Simulation:
         # Whoever is that far from everything touches nothing in this step, and the engine has forgotten the last touch.
         forgotten = (self._space.collision_persistence + 1) * self._dt
         self._margin = self.config.max_speed * (self.config.step + forgotten) + STEP
-        self._grid: tuple[Any, ...] = tuple(clearance_grid(world, self.config.radius, STEP, 0.0))
+        self._grid = _clearance(world, self.config.radius)
         self._velocities = np.zeros((self.config.substeps, 2))
         self.state = np.zeros(STATE)
         self.reset(0.0, 0.0, 0.0)
@@ -164,6 +165,12 @@ class Simulation:
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
         self._connect()
+
+
+@lru_cache(maxsize=8)
+def _clearance(world: World, radius: float) -> tuple[Any, ...]:
+    """Return the parts of the `Grid` of a robot's clearance, which all robots of that radius in a world share."""
+    return tuple(clearance_grid(world, radius, STEP, 0.0))
 
 
 def _build(world: World, radius: float, mass: float) -> tuple[pymunk.Space, pymunk.Body]:

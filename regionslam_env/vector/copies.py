@@ -60,6 +60,7 @@ class Copies:
             np.zeros((n, config.n_particles, 3)),
         )
         self._uniforms = np.zeros((n, config.n_particles))
+        self._rays = np.zeros(first.sensors.n_view_rays)  # scratch, for one copy after the other
         self._generators: list[Any] = [None] * n
         self._scans: list[Any] = [None] * n
         self._resample_below = config.resample_below * config.n_particles
@@ -89,7 +90,7 @@ class Copies:
         put(i, kernels.FRAME, (episode.frame, episode.book, episode.pose_errors.sums))
         put(i, kernels.SEGMENTS, (lidar._segments, *lidar._nearby.cells))
         put(i, kernels.WALLS, (sensor._walls, *sensor._near_walls.cells, sensor._rows, *sensor._near_rows.cells))
-        put(i, kernels.STARTS, (*sensor._given[8:10], *sensor._room, sensor._normals, sensor.sightings))
+        put(i, kernels.STARTS, (*sensor._given[8:10], self._rays, *sensor._room[1:], sensor._normals, sensor.sightings))
         put(i, kernels.VIEW, (view, records, links, ranges, slam.type_numbers(sensor._types)))
         put(i, kernels.IDS, (observer._ids, observer._places, observer._type_columns, slam.posterior.cloud.particles))
         put(i, kernels.MAPS, tuple(slam.posterior.cloud.maps))

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -79,7 +79,8 @@ class Link:
         return Link(self.target, self.source, self.target_edge, self.source_edge)
 
 
-class WorldArrays(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class WorldArrays:
     """A world as plain arrays for kernels; indices are those of `World.regions`."""
 
     rows: np.recarray[Any, Any]  # (R,) of TRUE_REGION
