@@ -212,9 +212,9 @@ def _by_part(env: gymnasium.Env[Any, Any], actions: np.ndarray) -> dict[str, flo
     count, total = 0, 0.0
     with _timers(targets, spent):
         for action in actions:
-            start = time.perf_counter()
+            start = time.process_time()
             _, _, terminated, truncated, _ = env.step(action)
-            total += time.perf_counter() - start
+            total += time.process_time() - start
             count += 1
             if terminated or truncated:
                 break
@@ -228,9 +228,9 @@ def _timers(targets: dict[str, tuple[Any, str]], spent: dict[str, float]) -> Ite
 
     def timer(part: str, method: Callable[..., Any]) -> Callable[..., Any]:
         def call(*args: Any, **kwargs: Any) -> Any:
-            start = time.perf_counter()
+            start = time.process_time()
             result = method(*args, **kwargs)
-            spent[part] += time.perf_counter() - start
+            spent[part] += time.process_time() - start
             return result
 
         return call
