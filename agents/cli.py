@@ -49,7 +49,7 @@ def run(
     world: WorldName = "institute",
     seed: Annotated[int, typer.Option(min=0, help="Seed of start, noise and filter.")] = 0,
     start_distance: Annotated[
-        float | None, typer.Option(min=0, help="Start this far (m, as driven) from the goal.")
+        float | None, typer.Option(min=0, help="Start at least this far (m, as driven) from the first goal.")
     ] = None,
     out: Annotated[
         Path | None, typer.Option(help="Folder for mission.gif, mission.png, map.png, map.geojson and summary.json.")

@@ -64,7 +64,7 @@ class RunSettings:
     seed
         Of the episode: start, sensor noise and filter; of a kind also the number of the world.
     start_distance
-        Geodesic distance of the start from the goal, m; None draws any start.
+        Least geodesic distance of the start from the first goal, m; None: that of the environment.
     out
         Folder for `mission.gif`, `mission.png`, `map.png`, `map.geojson` and `summary.json`; None writes nothing.
     localization

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from copy import deepcopy
 from functools import partial
 from inspect import signature
 from pathlib import Path
@@ -46,6 +47,7 @@ from regionslam_env.simulation.physics import Simulation
 from regionslam_env.tasks.drawing import MissionSource
 from regionslam_env.tasks.episode import Episode
 from regionslam_env.tasks.metrics import MAP_METRICS
+from regionslam_env.tasks.start import checked_start
 from regionslam_env.tasks.task import Moment, Task, TaskSettings
 from regionslam_env.worlds.generate.options import WorldOptions
 from regionslam_env.worlds.geodesic import shared_geodesic
@@ -221,7 +223,8 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         Parameters
         ----------
         seed
-            Of every random number to come; the same one gives the same episodes.
+            Of every random number to come; the same one gives the same episodes. With ``keep_map``, the filter and what
+            moves go on with their own.
         options
             ``goal``: semantic type to go to, or ``mission``: what to do, in words or as a `Mission`, whichever the task
             takes; ``start``: true pose (x, y, theta) in the world frame, m and rad;
@@ -234,8 +237,16 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             For an unknown option, goal or mission, a start that is not free, a goal that cannot be reached from it, or
             a map that cannot be kept. The episode before goes on then.
         """
+        generator = deepcopy(self._np_random), self._np_random_seed
         super().reset(seed=seed)
-        chosen = read_options(options)
+        try:
+            return self._reset(read_options(options))
+        except ConfigError:  # as if nobody had asked
+            self._np_random, self._np_random_seed = generator
+            raise
+
+    def _reset(self, chosen: ResetOptions) -> tuple[Observation, Info]:
+        """Begin an episode, the seed being set."""
         mission_rng, odometry_rng, lidar_rng, region_rng, filter_rng, world_rng, movers_rng = self._generators()
         if chosen.keep_map:
             number = self._go_on(mission_rng, chosen)
@@ -290,6 +301,10 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
                 f"start is {chosen.start!r}, expected none with keep_map and localization='odometry': "
                 "dead reckoning cannot find a robot that was carried"
             )
+        if chosen.start is not None and self.movers is not None:
+            x, y, _ = checked_start(self.task.geodesic, chosen.start, standing=False)
+            if self.movers.blocks(x, y):
+                raise ConfigError(f"start ({x:g}, {y:g}) is not free: furniture or a closed door is there now")
         self.mission, number = self._missions.stay(
             mission_rng,
             self.true_pose.tolist(),
@@ -309,7 +324,7 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
     def _aim(self) -> None:
         """Let observations tell what is to be done now."""
-        self._instruction = self.task.instruction
+        self._completed, self._instruction = self.task.completed, self.task.instruction
         self._observer.aim(self._instruction)
 
     def _enter(self, task: Task) -> None:
@@ -354,7 +369,7 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         last = self._episode.steps >= self.max_steps
         moment = Moment(pose, collided, declared, lambda: self.belief, self._origin, last)
         terms, success, terminated = self.task.verdict(moment)
-        if self.task.instruction is not self._instruction:
+        if self.task.completed != self._completed:
             self._aim()
         truncated = last and not terminated
         info: Info = {"reward_terms": terms}
@@ -362,7 +377,7 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             info["truth"] = self._truth()
         if terminated or truncated:
             self._running = False
-            info |= self._metrics(success, declared)
+            info |= self._metrics(success, terminated, declared)
         return sum(terms.values()), terminated, truncated, info
 
     def _perceive(self, odometry: Odometry, pose: Floats, true_pose: Floats) -> Belief:
@@ -463,7 +478,7 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         pose_in_map = self._episode.in_map(pose)
         return {"pose": pose, "pose_in_map": pose_in_map, "distance_to_goal": self.task.remaining, **moving}
 
-    def _metrics(self, success: bool, declared: bool) -> Info:
+    def _metrics(self, success: bool, over: bool, declared: bool) -> Info:
         """Return the metrics of the episode that ends here."""
         # What was in view less often than a region needs to be confirmed, the map cannot be asked for.
         seen = self._region_sensor.sightings >= self.belief.confirmed_after
@@ -477,6 +492,7 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         figures = {name: getattr(quality, name.removeprefix("region_")) for name in MAP_METRICS}
         return self._episode.metrics(
             success,
+            over,
             declared if self.arrival == "declare" else None,
             self.task.believed(self.belief),
             self.task.remaining,

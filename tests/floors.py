@@ -57,3 +57,11 @@ def furnished_room() -> World:
         Region("desk", "desk", "desk", Row.from_parameters(1, 0, 1, 1), parent="office"),
     )
     return World("furnished room", regions, np.array(box(-3, -2, 3, 2)), obstacles=(desk,))
+
+
+def crowded_room() -> World:
+    """Return the two rooms with a bed of 2 x 2.2 m in the middle of the office, about (3, 2)."""
+    world = two_rooms()
+    bed = np.array([(2, 0.9), (4, 0.9), (4, 3.1), (2, 3.1)])
+    region = Region("bed", "bed", "bed", Row.from_parameters(3, 2, 2, 2.2), parent="office")
+    return World("crowded room", (*world.regions, region), world.walls, world.doors, (bed,), links=world.links)

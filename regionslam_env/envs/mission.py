@@ -61,7 +61,7 @@ class MissionEnv(SemanticNavigationEnv):
     | Argument | Default | Meaning |
     | --- | --- | --- |
     | mission | None | in words or as a `Mission`, for every episode; None draws one |
-    | n_goals | 2 | places that a drawn mission goes to before it returns |
+    | n_goals | 2 | places that a drawn mission goes to before it returns; fewer on floors of fewer types |
     | start_distance | 2.0 | least geodesic distance of a drawn start from the first place, m |
     | map_share | 0.9 | share of the regions that has to be mapped in order to have explored |
     | reward | "standard" | "standard", "sparse", or keys of `MissionRewardConfig` |

@@ -17,7 +17,21 @@ from regionslam_env.missions.mission import Explore, GoTo, Instruction, Mission,
 _VERBS = "|".join(
     (
         *("then", "please", "afterwards", "finally", "lastly", "go", "drive", "move", "head", "navigate", "travel"),
-        *("walk", "come", "get", "return", "find", "visit", "reach", "enter", "take", "bring", "guide", "lead"),
+        *(
+            "walk",
+            "come",
+            "get",
+            "return",
+            "find",
+            "visit",
+            "reach",
+            "enter",
+            "search",
+            "take",
+            "bring",
+            "guide",
+            "lead",
+        ),
         *("explore", "map", "survey", "scout", "look", "back", "to", "the"),
     )
 )
@@ -27,7 +41,7 @@ _HOMES = r"(start|starting\s+(point|place|position)|beginning|origin|home|where\
 """Where the map was begun, if it ends an instruction: a home office is a place."""
 
 GRAMMAR = r"""
-start: PLEASE? _instruction (_THEN+ PLEASE? (_instruction | shortened))* PLEASE?
+start: FIRST? PLEASE? FIRST? _instruction (PLEASE? _THEN+ PLEASE? (_instruction | shortened))* PLEASE?
 _instruction: goto | explore | return
 goto: (MOVE | RETURN) BACK? TO? DETERMINER? place
     | FIND DETERMINER? place
@@ -41,11 +55,12 @@ return: RETURN BACK? | MOVE BACK | TAKE ME BACK
       | TAKE ME BACK? TO? DETERMINER? HOME
 place: WORD (WORD | TO)*
 
-_THEN.4: /[,;.!](?=\s*[^\W_])|(then|afterwards|after\s+that|finally|lastly)\b|and(?=\s+(VERBS)\b)/
+_THEN.4: /[,;.!&\n](?=\s*[^\W_])|(then|afterwards|after\s+that|finally|lastly)\b|and(?=\s+(VERBS)\b)/
 PLEASE.5: /[\s,]*\b(please|robot)\b[\s,]*/
 MOVE.2: /(go|drive|move|head|navigate|travel|walk|come|get)\b/
 RETURN.2: /return\b/
-FIND.2: /(find|visit|reach|enter)\b/
+FIND.2: /(find|visit|reach|enter|look\s+for|search\s+for)\b/
+FIRST.2: /(first|firstly)\b/
 TAKE.2: /(take|bring|guide|lead)\b/
 EXPLORE.2: /(explore|map|survey|scout|look\s+around)\b/
 SCOPE.2: /(everything|everywhere|all|whole|entire|rest|of|floor|storey|building|house|apartment|flat|area|place)\b/
@@ -56,7 +71,7 @@ HOME.3: /HOMES(?=\W*((then|and|afterwards|finally|please)\b|$)|\s*[,;.!])/
 DETERMINER.2: /(the\s+nearest|the\s+next|the\s+closest|the|an|a|any|some|one\s+of\s+the|nearest|our|your)\b/
 WORD: /[^\W_]+(['-][^\W_]+)*/
 
-%ignore /[\s,;.!_]+/
+%ignore /[^\S\n]+|[,;.!_&\n]/
 """.replace("VERBS", _VERBS).replace("HOMES", _HOMES)
 
 SYNONYMS = {

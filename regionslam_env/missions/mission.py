@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from regionslam_env.errors import ConfigError
+
 
 @dataclass(frozen=True)
 class GoTo:
@@ -58,8 +60,11 @@ class Mission:
     instructions: tuple[Instruction, ...]
 
     def __post_init__(self) -> None:
-        if not self.instructions:
-            raise ValueError("a mission has at least one instruction; got none")
+        if not isinstance(self.instructions, tuple) or not self.instructions:
+            raise ConfigError(f"instructions is {self.instructions!r}, expected a tuple of at least one instruction")
+        for part in self.instructions:
+            if not isinstance(part, GoTo | Explore | Return):
+                raise ConfigError(f"instruction {part!r}, expected a GoTo, an Explore or a Return")
 
     @property
     def types(self) -> tuple[str, ...]:

@@ -125,6 +125,13 @@ class Movers:
         self.people.decide(here, self.doors.segments[self.doors.closed])
         return self.doors.step(lambda door: self._is_free(door, here))
 
+    def blocks(self, x: float, y: float) -> bool:
+        """Return whether furniture or a closed door leaves a robot no room at a place (m); people make way for it."""
+        footprint = shapely.Point(x, y).buffer(self._robot_radius)
+        scene = self.scene
+        doors = (shapely.LineString(line.reshape(2, 2)).buffer(WALL_RADIUS) for line in scene.door_segments)
+        return any(footprint.intersects(solid) for solid in (*map(shapely.Polygon, scene.obstacles), *doors))
+
     def moved(self) -> None:
         """Take note of where people and furniture are now."""
         people = self.people.places

@@ -73,6 +73,11 @@ class Approach:
         """Return the length of the way from a point, m; infinite where there is none."""
         return self._left(x, y, self._place.at(x, y))
 
+    def near(self, x: float, y: float) -> float:
+        """Return the same from where a robot stands; from beside it where that is no place to be."""
+        here = self.left(x, y)
+        return here if math.isfinite(here) else self.field.near(x, y)
+
     def step(self, x: float, y: float, declared: bool) -> Outcome:
         """Judge a step that ends at this true position (world frame, m)."""
         distance = self._place.at(x, y)

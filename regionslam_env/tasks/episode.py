@@ -64,6 +64,7 @@ class Episode:
     def metrics(
         self,
         success: bool,
+        over: bool,
         declared: bool | None,
         believed: float | None,
         remaining: float | None,
@@ -73,6 +74,7 @@ class Episode:
         """Return every metric of `METRICS`; for the arguments see `EpisodeFacts`."""
         facts = EpisodeFacts(
             success=success,
+            over=over,
             declared=declared,
             believed=believed,
             shortest=self.mission.shortest,

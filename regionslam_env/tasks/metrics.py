@@ -2,8 +2,8 @@
 
 Distances are geodesic, for a disc of the robot's radius, until its centre is inside the *nearest* region of the goal
 type; in a mission of several instructions they are lengths of the shortest way that leads through all places in their
-order. Where something has to be mapped, these and what the robot believes of it are None. Pose errors are taken in the
-map frame against the true pose relative to the start, without any alignment.
+order. Where something has to be mapped, these are None, and so is the robot's own verdict if that comes last. Pose
+errors are taken in the map frame against the true pose relative to the start, without any alignment.
 """
 
 from __future__ import annotations
@@ -121,8 +121,10 @@ class EpisodeFacts:
     ----------
     success
         The mission was done, judged on the truth.
+    over
+        The episode ended before its time, by success or by a wrong declaration.
     declared
-        The robot declared its arrival; None where there is nothing to declare (``arrival="stay"``).
+        The robot declared its arrival in the last step; None where there is nothing to declare (``arrival="stay"``).
     believed
         Probability, on the believed pose and map, that the mission is done at the end; None where the robot can't tell.
     shortest, remaining
@@ -134,6 +136,7 @@ class EpisodeFacts:
     """
 
     success: bool
+    over: bool
     declared: bool | None
     believed: float | None
     shortest: float | None
@@ -166,7 +169,7 @@ def episode_metrics(
         "success": facts.success,
         "path_length": facts.path_length,
         "collisions": facts.collisions,
-        "false_arrival": None if facts.declared is None else facts.declared and not facts.success,
+        "false_arrival": None if facts.declared is None else facts.over and not facts.success,
         "belief_success": belief_success,
         **pose_errors.metrics(),
     }

@@ -10,11 +10,11 @@ import numpy as np
 
 from regionslam_env.errors import ConfigError, unknown
 from regionslam_env.missions.language import parse
-from regionslam_env.missions.mission import Explore, GoTo, Instruction, Mission, Return
+from regionslam_env.missions.mission import Explore, GoTo, Instruction, Mission, Return, goal_of
 from regionslam_env.tasks.approach import Approach
 from regionslam_env.tasks.goto import drawable_types
 from regionslam_env.tasks.rewards import MISSION_REWARD_SETS, MissionRewardConfig, mission_reward
-from regionslam_env.tasks.start import Pose, checked_distance, checked_start, draw_start, from_start
+from regionslam_env.tasks.start import Pose, checked_distance, checked_start, draw_start
 from regionslam_env.tasks.survey import Survey
 from regionslam_env.tasks.task import DrawnMission, Moment, Task, TaskSettings, Verdict
 from regionslam_env.worlds.geodesic import Field, Geodesic
@@ -73,6 +73,7 @@ class MissionTask(Task):
             raise ConfigError(f"n_goals is {n_goals!r}, expected a whole number of at least 1")
         self._n_goals = n_goals
         self._survey = Survey(geodesic, settings, map_share)
+        self._floor = geodesic.field(self._survey.reachable[:1])
         self.goals = drawable_types(world, settings.types)
 
     @classmethod
@@ -190,24 +191,24 @@ class MissionTask(Task):
     ) -> Plan:
         """Draw a start, or check the one given, and find the ways."""
         first = mission.instructions[0]
-        if isinstance(first, GoTo):
-            field, name, at_least = self.geodesic.field_to_type(first.type), first.type, self.start_distance
-        else:
-            field, name, at_least = self.geodesic.field(self._survey.reachable[:1]), "region", 0.0
+        goals = {str(part): self._goal_field(part) for part in mission.instructions if not isinstance(part, Return)}
+        field = goals.get(str(first), self._floor)
         if start is None:
-            pose = draw_start(rng, self.geodesic, field, name, at_least)
+            at_least = self.start_distance if isinstance(first, GoTo) else 0.0
+            pose = draw_start(rng, self.geodesic, field, goal_of(first) or "region", at_least, goals.values())
         else:
             pose = checked_start(self.geodesic, start, standing)
+        x, y, _ = pose
+        for words, goal in goals.items():
+            if not math.isfinite(goal.near(x, y) if standing else goal.at(x, y)):
+                raise ConfigError(f"world {self.world.name!r}: no way from ({x:.2f}, {y:.2f}) in order to {words}")
         approaches = self._ways(mission, pose if home is None else home)
-        lengths = [0.0 if way is None else from_start(way.left, pose, standing) for way in approaches]
-        for instruction, length in zip(mission.instructions, lengths, strict=True):
-            if not math.isfinite(length):
-                raise ConfigError(
-                    f"world {self.world.name!r}: no way from ({pose[0]:.2f}, {pose[1]:.2f}) to {instruction}, "
-                    "and on to what follows"
-                )
-        shortest = None if None in approaches else lengths[0]
-        return Plan(DrawnMission(mission, pose, shortest), approaches, from_start(field.at, pose, standing))
+        shortest = None if None in approaches else approaches[0].near(x, y)  # type: ignore[union-attr]
+        return Plan(DrawnMission(mission, pose, shortest), approaches, field.near(x, y))
+
+    def _goal_field(self, instruction: GoTo | Explore) -> Field:
+        """Return the distance to where an instruction leads."""
+        return self.geodesic.field_to_type(instruction.type) if isinstance(instruction, GoTo) else self._floor
 
     def _ways(self, mission: Mission, home: Pose) -> list[Approach | None]:
         """Return the way of each instruction, through its place and those that follow; None for an exploration."""
@@ -224,12 +225,13 @@ class MissionTask(Task):
     def _place(self, instruction: GoTo | Return, home: Pose) -> Field:
         """Return the distance to the place of an instruction, 0 or less inside."""
         if isinstance(instruction, GoTo):
-            return self.geodesic.field_to_type(instruction.type)
+            return self._goal_field(instruction)
         return self.geodesic.field_to_points(np.array([home[:2]]), np.array([-AT_HOME]))
 
     def _begin(self, plan: Plan) -> DrawnMission:
         """Begin the episode."""
         self._mission, self._approaches, self._done = plan.drawn.mission, plan.approaches, 0
+        self._survey.begin()
         self._set_off(plan.drawn.start)
         return plan.drawn
 
@@ -239,5 +241,4 @@ class MissionTask(Task):
         if approach is None:
             self._survey.begin()
         else:
-            x, y, theta = pose
-            approach.begin(from_start(approach.left, (x, y, theta), standing=True))
+            approach.begin(approach.near(pose[0], pose[1]))

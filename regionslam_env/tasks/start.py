@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
@@ -13,12 +13,18 @@ from regionslam_env.worlds.geodesic import Field, Geodesic
 
 Pose = tuple[float, float, float]
 
-CONTACT = 0.03
-"""How far a touching robot is moved to measure its distance, m; contacts overlap by less than half of that."""
 
-
-def draw_start(rng: np.random.Generator, geodesic: Geodesic, field: Field, goal: str, at_least: float) -> Pose:
+def draw_start(
+    rng: np.random.Generator,
+    geodesic: Geodesic,
+    field: Field,
+    goal: str,
+    at_least: float,
+    reaching: Iterable[Field] = (),
+) -> Pose:
     """Draw a free pose in any direction whose distance from a goal, of this name, is at least `at_least`, m.
+
+    There is a way from it in each of the fields `reaching` as well.
 
     Raises
     ------
@@ -26,7 +32,7 @@ def draw_start(rng: np.random.Generator, geodesic: Geodesic, field: Field, goal:
         Where there is none.
     """
     try:
-        x, y = geodesic.sample_free(rng, field, at_least=at_least)
+        x, y = geodesic.sample_free(rng, field, at_least=at_least, reaching=reaching)
     except WorldError as error:
         raise ConfigError(_no_start(geodesic, field, goal, at_least)) from error
     return x, y, float(rng.uniform(-math.pi, math.pi))
@@ -47,16 +53,6 @@ def checked_start(geodesic: Geodesic, start: Sequence[float], standing: bool) ->
             f"{geodesic.radius:g} m radius"
         )
     return x, y, theta
-
-
-def from_start(distance: Callable[[float, float], float], start: Pose, standing: bool) -> float:
-    """Return a distance from a start, m: from beside it where a standing robot is squeezed against something."""
-    x, y, _ = start
-    here = distance(x, y)
-    if math.isfinite(here) or not standing:
-        return here
-    turns = np.linspace(0, 2 * math.pi, 8, endpoint=False).tolist()
-    return min(distance(x + CONTACT * math.cos(turn), y + CONTACT * math.sin(turn)) for turn in turns)
 
 
 def checked_distance(start_distance: float) -> float:

@@ -24,11 +24,15 @@ from slam.resampling import SCHEMES
 Ints = NDArray[np.int64]
 
 
-def can_step_together(env: SemanticNavigationEnv) -> bool:
-    """Say whether the kernels do all that a step of such an environment does.
+def can_step_together(envs: Sequence[SemanticNavigationEnv]) -> bool:
+    """Say whether the kernels do all that a step of such environments does, and these are alike.
 
     They know the filter, one world that stands still, and a sensor that sees all around and makes no mistakes.
     """
+    return all(map(_known, envs)) and len({(env.max_steps, env.reveal_truth) for env in envs}) == 1
+
+
+def _known(env: SemanticNavigationEnv) -> bool:
     noise = env.noise
     mistaken = noise.misclassification or noise.misses or noise.false_positives
     still = not isinstance(env.simulation, DynamicSimulation)

@@ -53,7 +53,7 @@ class NavigationVectorEnv(SyncVectorEnv):
     ) -> None:
         make = partial(env_type, **kwargs)
         super().__init__([make] * num_envs, copy=copy, autoreset_mode=autoreset_mode)
-        self._alike = can_step_together(self.envs[0])
+        self._alike = can_step_together(self.envs)
         self._copies: Any = None  # `Copies`, from the first reset on
 
     def reset(self, *, seed: Any = None, options: dict[str, Any] | None = None) -> tuple[Observation, Info]:
@@ -138,10 +138,10 @@ class NavigationVectorEnv(SyncVectorEnv):
         poses, said = copies.records["pose"], declared.tolist()
         for i in np.setdiff1d(which, judged).tolist():
             env = self.envs[i]
-            before = env._instruction
+            before = env.task.completed
             verdict = env._judge(poses[i].copy(), env.simulation.collided, said[i])
             self._rewards[i], self._terminations[i], self._truncations[i], infos[i] = verdict
-            if verdict[1] or verdict[2] or env._instruction is not before:
+            if verdict[1] or verdict[2] or env.task.completed != before:
                 copies.aim(i)
         copies.observe(np.setdiff1d(which, lost), declared, self._observations)
         for i in lost:
@@ -189,7 +189,9 @@ class NavigationVectorEnv(SyncVectorEnv):
         """Set an attribute of every copy to one value, or to each its own of a list."""
         self._store()
         super().set_attr(name, values)
-        self._load()
+        self._alike = can_step_together(self.envs)
+        if self._copies is not None:
+            self._copies = Copies(self.envs)
 
     def __getstate__(self) -> dict[str, Any]:
         """Pickle everything but addresses."""

@@ -61,6 +61,18 @@ class Field:
         """Return the distance (m) from a point until the centre is inside a goal region; infinite if it cannot be."""
         return float(distance_at(self._plain, x, y))
 
+    def near(self, x: float, y: float) -> float:
+        """Return the distance from a point, or, where it has no way itself, from the nearest node that has one."""
+        here = self.at(x, y)
+        if np.isfinite(here):
+            return here
+        grid, reached = self.roots.grid, np.argwhere(np.isfinite(self.nodes))
+        if not len(reached):
+            return np.inf
+        beside = np.hypot(grid.x0 + reached[:, 0] * grid.step - x, grid.y0 + reached[:, 1] * grid.step - y)
+        nearest = int(np.argmin(beside))
+        return float(beside[nearest] + self.nodes[tuple(reached[nearest])])
+
     @cached_property
     def _plain(self) -> tuple[Any, ...]:
         """The roots, and their grid, as plain tuples: Numba unpacks them ten times faster."""
@@ -229,6 +241,7 @@ class Geodesic:
         at_most: float = np.inf,
         margin: float = 0.1,
         regions: Iterable[int | str] | None = None,
+        reaching: Iterable[Field] = (),
     ) -> tuple[float, float]:
         """Draw a point uniformly from the free floor inside regions.
 
@@ -242,6 +255,8 @@ class Geodesic:
             Least distance from touching anything, m.
         regions
             Indices or ids of the regions to draw from; default: all but doors.
+        reaching
+            Only points from which there is a way in each of these fields.
 
         Raises
         ------
@@ -253,6 +268,8 @@ class Geodesic:
         if field is not None:
             value = field.nodes
             mask &= np.isfinite(value) & (value >= at_least) & (value <= at_most)
+        for other in reaching:
+            mask &= np.isfinite(other.nodes)
         nodes = np.flatnonzero(mask)
         if not len(nodes):
             where = "" if field is None else f" between {at_least:g} and {at_most:g} m from the goal"

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
 
-from regionslam_env.envs import ExploreEnv, GoToEnv
+from regionslam_env.envs import ExploreEnv, GoToEnv, MissionEnv
 from regionslam_env.errors import ConfigError
 from regionslam_env.rendering.palette import PERSON
 from regionslam_env.worlds.format import save_world
 from tests.env.test_env import FLOOR, KITCHEN, OFFICE, make, rollout
-from tests.floors import furnished_room
+from tests.floors import crowded_room, furnished_room
 
 pytestmark = pytest.mark.compiled
 
@@ -160,3 +160,27 @@ def test_bad_dynamics_are_refused():
         GoToEnv(world=FLOOR, dynamics="peeple")
     with pytest.raises(ConfigError, match="unknown key of dynamics 'door'"):
         GoToEnv(world=FLOOR, dynamics={"door": 1})
+
+
+@pytest.mark.parametrize("max_steps", [26, 200])
+def test_where_furniture_stood_there_is_a_way(max_steps):
+    dynamics = {"movable_furniture": 1.0, "furniture_mass": 2.0}
+    kwargs = {"world": crowded_room(), "dynamics": dynamics, "arrival": "declare", "max_steps": max_steps}
+    env = MissionEnv(mission="go to the office, then go to the kitchen", start_distance=0.0, **kwargs)
+    env.reset(seed=0, options={"start": (1.7, 2.0, 0.0)})
+    results = [env.step([1.0, 0.0, float(k == 20)]) for k in range(26)]
+    assert 2.8 < env.true_pose[0] < 4 and env.task.completed == 0.5  # where the bed stood
+    assert all(np.isfinite(reward) for _, reward, *_ in results)
+    if max_steps == 26:
+        assert results[-1][3] and 1 < results[-1][4]["distance_to_goal"] < 8
+    env.reset(options={"keep_map": True, "mission": "go to the kitchen"})
+    assert 1 < env.task.remaining < 8
+
+
+def test_a_robot_is_not_put_into_what_has_moved():
+    env = make(world=crowded_room(), dynamics={"movable_furniture": 1.0, "furniture_mass": 2.0})
+    env.reset(seed=0, options={"start": (1.7, 2.0, 0.0), "goal": "kitchen"})
+    for _ in range(10):
+        env.step([1.0, 0.0])
+    with pytest.raises(ConfigError, match="furniture or a closed door is there now"):
+        env.reset(options={"keep_map": True, "start": (4.3, 2.0, 0.0)})

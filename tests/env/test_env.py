@@ -18,6 +18,7 @@ from regionslam_env.arguments import CommonArguments
 from regionslam_env.config import SEMANTIC_TYPES
 from regionslam_env.env import SemanticNavigationEnv
 from regionslam_env.envs import ExploreEnv, GoToEnv, MissionEnv
+from regionslam_env.errors import ConfigError
 from regionslam_env.observations import RegionColumn, region_table
 from regionslam_env.registration import ENVIRONMENTS
 from regionslam_env.tasks.metrics import METRICS
@@ -474,3 +475,11 @@ def test_physics_and_filter_run_without_a_renderer():
         "env.step(env.action_space.sample()); assert not {'PIL', 'pygame', 'matplotlib'} & set(sys.modules)"
     )
     subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def test_a_refused_reset_changes_nothing_of_what_follows():
+    env, other = make(), make()
+    env.reset(seed=3), other.reset(seed=3)
+    with pytest.raises(ConfigError):
+        env.reset(seed=8, options={"start": (-50, 0, 0)})
+    assert equal(rollout(env, 5), rollout(other, 5)) and equal(env.reset(), other.reset())

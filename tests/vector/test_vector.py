@@ -8,6 +8,8 @@ import pytest
 from gymnasium.error import ResetNeeded
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
+from regionslam_env.missions.mission import GoTo, Mission
+from regionslam_env.observations import ProgressColumn
 from regionslam_env.registration import ENVIRONMENTS
 from regionslam_env.vector import NavigationVectorEnv
 from regionslam_env.vector.copies import can_step_together
@@ -121,7 +123,7 @@ def test_same_as_sync_on_the_default_floor_where_maps_outgrow_their_room():
 )
 def test_what_the_kernels_do_not_know_is_stepped_alone(env_id, kwargs, floor):
     ours, theirs = native(env_id, 2, world=floor, **kwargs), sync(env_id, 2, world=floor, **kwargs)
-    assert not can_step_together(ours.envs[0])
+    assert not can_step_together(ours.envs)
     ours.reset(seed=1), theirs.reset(seed=1)
     drive_both(ours, theirs, 10)
 
@@ -232,3 +234,28 @@ def test_every_id_can_be_made_as_many(env_id, floor):
     observations, *_ = envs.step(envs.action_space.sample())
     assert observations in envs.observation_space
     envs.close()
+
+
+def test_the_same_instruction_twice(floor):
+    mission = Mission((GoTo("office"),) * 2)
+    kwargs = {"world": floor, "mission": mission, "start_distance": 0.0}
+    ours, theirs = native("RegionSLAM/Mission-v0", 2, **kwargs), sync("RegionSLAM/Mission-v0", 2, **kwargs)
+    ours.reset(seed=0), theirs.reset(seed=0)
+    start = {"start": (3.0, 2.0, 0.0)}
+    ours.reset(options=start), theirs.reset(options=start)
+    told = set()
+    for _ in range(15):
+        result = ours.step(np.zeros((2, 2), np.float32))
+        for one, other in zip(result, theirs.step(np.zeros((2, 2), np.float32)), strict=True):
+            assert_same(one, other)
+        told.add(float(result[0]["progress"][0, ProgressColumn.COMPLETED]))
+    assert told == {0.0, 0.5}
+
+
+@pytest.mark.parametrize(("name", "values"), [("max_steps", [4, 8, 50]), ("max_steps", 5), ("reveal_truth", True)])
+def test_what_is_set_counts_for_each_copy(name, values, floor):
+    ours, theirs = native(GOTO, world=floor), sync(GOTO, world=floor)
+    ours.reset(seed=0), theirs.reset(seed=0)
+    for envs in (ours, theirs):
+        envs.set_attr(name, values)
+    drive_both(ours, theirs, 12)

@@ -16,6 +16,7 @@ from regionslam_env.tasks.metrics import (
 
 FACTS = EpisodeFacts(
     success=True,
+    over=True,
     declared=None,
     believed=0.9,
     shortest=8.0,
@@ -86,11 +87,18 @@ def test_every_metric_is_there_and_null_where_it_means_nothing():
 
 
 @pytest.mark.parametrize(
-    ("success", "declared", "false_arrival"),
-    [(True, None, None), (False, None, None), (True, True, False), (False, True, True), (False, False, False)],
+    ("success", "over", "declared", "false_arrival"),
+    [
+        (True, True, None, None),
+        (False, False, None, None),
+        (True, True, True, False),
+        (False, True, True, True),
+        (False, False, False, False),
+        (False, False, True, False),  # an instruction of several, rightly, when time was up
+    ],
 )
-def test_false_arrival(success, declared, false_arrival):
-    assert metrics(success=success, declared=declared)["false_arrival"] is false_arrival
+def test_false_arrival(success, over, declared, false_arrival):
+    assert metrics(success=success, over=over, declared=declared)["false_arrival"] is false_arrival
 
 
 @pytest.mark.parametrize(

@@ -1,3 +1,4 @@
+import dataclasses
 import math
 
 import numpy as np
@@ -6,6 +7,7 @@ import pytest
 from regionslam_env.config import SEMANTIC_TYPES
 from regionslam_env.errors import ConfigError
 from regionslam_env.missions.mission import Explore, GoTo, Mission, Return
+from regionslam_env.tasks.explore import ExploreTask
 from regionslam_env.tasks.mission import AT_HOME, MissionTask
 from regionslam_env.tasks.task import Moment, TaskSettings
 from regionslam_env.worlds.geodesic import STEP, Geodesic
@@ -167,3 +169,37 @@ def test_arguments_that_are_none_are_refused(arguments):
     (name,) = arguments
     with pytest.raises(ConfigError, match=name):
         begun(Return(), **arguments)
+
+
+def parted(**types):
+    """Two rooms that no way connects."""
+    world = two_rooms()
+    regions = tuple(dataclasses.replace(r, type=types.get(r.id, r.type)) for r in world.regions)
+    blocked = np.vstack([world.walls, (6.0, 1.5, 6.0, 2.5)])
+    return dataclasses.replace(world, regions=regions, walls=blocked, doors=(), links=())
+
+
+def test_starts_are_drawn_where_everything_can_be_done():
+    world = parted(office="kitchen")
+    task = MissionTask(world, Geodesic(world, 0.2), TaskSettings(SEMANTIC_TYPES), start_distance=0)
+    explore, sides = ExploreTask(world, task.geodesic, task.settings), set()
+    for seed in range(10):
+        drawn = task.draw(np.random.default_rng(seed), Mission((GoTo("kitchen"), Explore())))
+        explore.draw(np.random.default_rng(0), start=drawn.start)  # refuses what is not in the largest part
+        sides.add(drawn.start[0] < 6)
+    assert len(sides) == 1
+
+
+def test_what_cannot_be_reached_is_named():
+    world = parted()
+    task = MissionTask(world, Geodesic(world, 0.2), TaskSettings(SEMANTIC_TYPES), start_distance=0)
+    with pytest.raises(ConfigError, match=r"no way from .* in order to go to the kitchen"):
+        task.draw(np.random.default_rng(0), Mission((GoTo("office"), GoTo("kitchen"))), START)
+
+
+def test_figures_of_exploring_begin_anew_with_every_episode():
+    task, _ = begun(Explore())
+    task.verdict(at(OFFICE, belief=ALL))
+    assert task.figures["explored"] == 1
+    task.draw(np.random.default_rng(0), Mission((GoTo("kitchen"), Explore())), START)
+    assert task.figures == {"explored": 0, "closed_edges": 0}
