@@ -44,6 +44,8 @@ class RegionDrive:
         Of the region.
     arrived_after
         Steps to be in the region (or at its centre) before the drive is over.
+    point
+        Where in the region to go, map frame, m; None for its middle, or just into it.
     """
 
     def __init__(
@@ -53,9 +55,11 @@ class RegionDrive:
         slot_ids: NDArray[np.int64],
         slot: int,
         arrived_after: int,
+        point: Floats | None = None,
     ) -> None:
         self.controller, self._arrived_after = controller, arrived_after
-        self._inwards = bool(region_table(observation)[slot, RegionColumn.CONTAINS_ME] > 0.5)
+        self._point = point
+        self._inwards = point is not None or bool(region_table(observation)[slot, RegionColumn.CONTAINS_ME] > 0.5)
         self._is_thing = not self._inwards and _is_thing(observation, slot)
         self._way = [int(slot_ids[s]) for s in _way(observation, slot)]
         self._points: dict[int, Floats] = {}
@@ -73,7 +77,7 @@ class RegionDrive:
         """Return the outcome after an action, by the observation that came of it: "arrived", "blocked" or ""."""
         row = self._locate(observation, slot_ids)
         there = bool(np.hypot(*_to_robot(observation["pose"], self._points[self._way[-1]])) < NEAR)
-        beside = row is not None and float(np.hypot(*_nearest(row))) < BESIDE
+        beside = self._point is None and row is not None and float(np.hypot(*_nearest(row))) < BESIDE
         if row is not None and not self._inwards:
             there |= bool(row[RegionColumn.CONTAINS_ME] > 0.5)
         there |= beside and self._is_thing
@@ -98,6 +102,8 @@ class RegionDrive:
                 last = table[slot]
                 if self._is_thing:
                     self._points[region] = _to_map(observation["pose"], _in_front(last))
+        if self._point is not None:
+            self._points[self._way[-1]] = self._point
         return last
 
 
@@ -114,6 +120,14 @@ def _way(observation: Observation, slot: int) -> list[int]:
     way = route(starts, slot, centres, [(int(a), int(b)) for a, b in links])
     size = table[:, [RegionColumn.W, RegionColumn.H]].max(axis=1)
     return [s for s in way[:-1] if size[s] <= PASSAGE] + [slot]
+
+
+def slot_at(observation: Observation, point: Floats) -> int:
+    """Return the slot of the region that a point (map frame, m) is in, or nearest to; at least one slot holds one."""
+    x, y = _to_robot(observation["pose"], point)
+    table = region_table(observation).astype(np.float64)
+    table[:, [RegionColumn.X, RegionColumn.Y]] -= (x, y)
+    return min(np.flatnonzero(observation["regions_mask"]).tolist(), key=lambda s: float(np.hypot(*_nearest(table[s]))))
 
 
 def _is_thing(observation: Observation, slot: int) -> bool:

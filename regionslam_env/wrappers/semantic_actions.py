@@ -15,10 +15,13 @@ from regionslam_env.control.controller import LocalController
 from regionslam_env.control.window import Window
 from regionslam_env.env import SemanticNavigationEnv
 from regionslam_env.observations import Observation
-from regionslam_env.wrappers.region_drive import RegionDrive
+from regionslam_env.wrappers.region_drive import RegionDrive, slot_at
 
 ARRIVED_AFTER = 1.0
 """A drive ends when the robot has been in the region for this long, s."""
+
+START = np.zeros(2)
+"""Where the map was begun, in its own frame, m."""
 
 
 class SemanticActions(gymnasium.Wrapper[Observation, Any, Observation, Any]):
@@ -27,7 +30,8 @@ class SemanticActions(gymnasium.Wrapper[Observation, Any, Observation, Any]):
     Action k drives to the region that holds slot k (row k of the observation's table) at that moment; the drive keeps
     to this region even if it gets another slot or none. The built-in controller drives on belief and lidar alone,
     through the doors that links lead through: into the region, up to a thing that cannot be entered, or to the middle
-    of a region that the robot is in already. With `arrival="declare"` there is one action more, which declares.
+    of a region that the robot is in already. In a `MissionEnv` one action more drives back to the start, and with
+    `arrival="declare"` the last one declares.
 
     Rewards and reward terms are summed over the steps of the environment. `info` is that of the last one, and also has
 
@@ -59,7 +63,8 @@ class SemanticActions(gymnasium.Wrapper[Observation, Any, Observation, Any]):
         self._env, self._limit = base, limit
         self._n_slots = len(base.slot_ids)
         self._declares = base.arrival == "declare"
-        self.action_space = spaces.Discrete(self._n_slots + self._declares)
+        self._returns = base.task_type.option == "mission"
+        self.action_space = spaces.Discrete(self._n_slots + self._returns + self._declares)
         n_rays, reach = base.sensors.n_lidar_rays, base.sensors.lidar_range
         self._controller = LocalController(base.robot, n_rays, reach, Window(n_rays=n_rays))
         self._arrived_after = max(1, round(ARRIVED_AFTER / base.robot.step))
@@ -83,15 +88,17 @@ class SemanticActions(gymnasium.Wrapper[Observation, Any, Observation, Any]):
         """
         if not hasattr(self, "_observation"):
             raise ResetNeeded("there is no running episode: call env.reset() first")
-        count = self._n_slots + self._declares
-        if not 0 <= int(action) < count:
+        slot, count, point = int(action), int(self.action_space.n), None  # type: ignore[attr-defined]
+        if not 0 <= slot < count:
             raise ValueError(f"action is {action!r}, expected a number from 0 to {count - 1}")
-        if int(action) == self._n_slots:
+        if self._declares and slot == count - 1:
             return self._run(None, "declared")
-        if not self._observation["regions_mask"][int(action)]:
+        if not self._mask()[slot]:
             return self._run(None, "refused")
-        drive = RegionDrive(self._controller, self._observation, self._env.slot_ids, int(action), self._arrived_after)
-        return self._run(drive, "")
+        if slot == self._n_slots:
+            slot, point = slot_at(self._observation, START), START
+        ids = self._env.slot_ids
+        return self._run(RegionDrive(self._controller, self._observation, ids, slot, self._arrived_after, point), "")
 
     def _run(self, drive: RegionDrive | None, outcome: str) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         """Take steps until there is an outcome; without a drive, one step of standing still."""
@@ -114,5 +121,7 @@ class SemanticActions(gymnasium.Wrapper[Observation, Any, Observation, Any]):
         return self._observation, total, terminated, truncated, info
 
     def _mask(self) -> NDArray[np.int8]:
-        """Return which actions can be chosen now: slots that hold a region, and declaring."""
-        return np.append(self._observation["regions_mask"], np.ones(int(self._declares), np.int8))
+        """Return which actions can be chosen now: slots that hold a region, the start on any map, and declaring."""
+        mask = self._observation["regions_mask"]
+        more = [*([mask.any()] if self._returns else []), *([True] if self._declares else [])]
+        return np.append(mask, np.array(more, np.int8))

@@ -6,7 +6,7 @@ import pytest
 from gymnasium.error import ResetNeeded
 from gymnasium.utils.env_checker import check_env
 
-from regionslam_env.envs import GoToEnv
+from regionslam_env.envs import GoToEnv, MissionEnv
 from regionslam_env.wrappers import DiscreteActions, SemanticActions, TextObservation
 from tests.floors import two_rooms
 
@@ -55,6 +55,25 @@ def test_it_arrives_where_the_episode_goes_on():
     assert info["outcome"] == "arrived" and env.unwrapped.true_pose[0] > 6
     _, _, terminated, _, info = env.step(env.action_space.n - 1)
     assert terminated and info["success"] and info["outcome"] == "declared" and info["steps"] == 1
+
+
+@pytest.mark.parametrize("arrival", ["stay", "declare"])
+def test_a_mission_out_and_back_by_three_choices(arrival):
+    mission = {"mission": "go to the kitchen, then return", "start": (2.0, 2.0, np.pi / 2)}
+    env = SemanticActions(MissionEnv(world=two_rooms(), arrival=arrival))
+    _, info = env.reset(seed=1, options=mission)
+    start, declare = 32, 33
+    assert info["action_mask"][start] == 0  # nothing is mapped yet
+    while not info["action_mask"][:32].any():
+        *_, info = env.step(0)
+    assert info["action_mask"][start] == 1
+    base = env.unwrapped
+    names = {base.belief.map.name(int(base.slot_ids[s])): int(s) for s in np.flatnonzero(info["action_mask"][:32])}
+    for action in (names["kitchen"], start):
+        *_, terminated, _, info = env.step(action)
+        if arrival == "declare":
+            *_, terminated, _, info = env.step(declare)
+    assert terminated and info["success"] and np.hypot(*(base.true_pose[:2] - (2.0, 2.0))) < 1
 
 
 def test_the_mask_tells_what_is_mapped_and_an_empty_slot_is_refused():
