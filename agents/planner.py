@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -11,7 +12,7 @@ from numpy.typing import NDArray
 from agents.believed import BelievedRegion, View
 from agents.frontiers import CLEARANCE, ROOM, Frontier, find_frontiers
 from agents.terrain import UNSEEN, Terrain
-from slam.rows import Floats
+from slam.rows import Floats, Row
 
 CREDIBLE = 0.5
 """Probability of type and of existence from which a region is worth going to."""
@@ -20,6 +21,8 @@ DEPTH = 0.6
 DEPTH_SHARE = 0.35
 START = np.zeros(2)
 """Where the map was begun, map frame."""
+BEFORE_A_DOOR = 0.6
+"""Distance (m) from a shut door at which to wait until it opens."""
 LOYALTY = 4.0
 """How much cheaper (m) another frontier has to be to turn away for it."""
 
@@ -33,13 +36,14 @@ class Target:
     point
         Map frame, m.
     kind
-        "goal": inside a region of the wanted type; "approach": towards one no way is known into; "explore": a frontier.
+        "goal": inside a region of the wanted type; "approach": towards one no way is known into; "explore": a frontier;
+        "door": before a shut one.
     place
         In words.
     """
 
     point: Floats
-    kind: Literal["goal", "approach", "explore"]
+    kind: Literal["goal", "approach", "explore", "door"]
     place: str
 
 
@@ -54,12 +58,12 @@ class Planner:
     patience
         Decisions for which a target that could not be reached is left alone.
     leads_on
-        Whether there is a frontier, at the last decision, behind which unknown rooms may lie.
+        Whether there is a frontier or a shut door, at the last decision, behind which unknown rooms may lie.
     """
 
     terrain: Terrain
     patience: int = 40
-    _avoided: list[tuple[Floats, float, int]] = field(default_factory=list, repr=False)
+    _avoided: list[tuple[Floats, float, float]] = field(default_factory=list, repr=False)
     leads_on: bool = True
     _decisions: int = 0
 
@@ -68,9 +72,10 @@ class Planner:
         self._avoided.clear()
         self.leads_on, self._decisions = True, 0
 
-    def avoid(self, target: Target, radius: float = 0.8) -> None:
-        """Leave a target alone for a while."""
-        self._avoided.append((target.point, radius, self._decisions + self.patience))
+    def avoid(self, target: Target, radius: float = 0.8, for_good: bool = False) -> None:
+        """Leave a target alone, for a while or for good."""
+        until = math.inf if for_good else self._decisions + self.patience
+        self._avoided.append((target.point, radius, until))
 
     def decide(self, view: View, current: Target | None = None) -> Target | None:
         """Return where to go next; None where there is nothing left to try.
@@ -91,6 +96,11 @@ class Planner:
         if not frontiers:
             frontiers = [f for f in find_frontiers(self.terrain, view, CLEARANCE / 2) if not self._is_avoided(f.point)]
         self.leads_on = any(frontier.worth < ROOM for frontier in frontiers)
+        if not self.leads_on and (view.goal is None or not frontiers):
+            door = self._shut_door(view)
+            if door is not None:
+                self.leads_on = True
+                return door
         if not frontiers:
             return self._revisit(view)
         if goals:
@@ -100,11 +110,34 @@ class Planner:
 
     def resolved(self, target: Target, view: View) -> bool:
         """Tell whether a frontier has been reached or seen through: no unseen floor is left around it."""
+        if target.kind == "door":
+            return False
         if np.hypot(*(target.point - view.pose[:2])) < 0.5:
             return True
         row, column = self.terrain.index(target.point)
         around = self.terrain.scores[max(0, row - 5) : row + 6, max(0, column - 5) : column + 6]
         return not np.any(around == UNSEEN)
+
+    def _shut_door(self, view: View) -> Target | None:
+        """Return the place before the nearest door that something closes, where the way ends there."""
+        reach, _ = self.terrain.distances(view.pose[:2])
+        best: tuple[float, Target] | None = None
+        for door in view.regions:
+            if door.type != "door" or door.existence < CREDIBLE or not self._is_shut(door):
+                continue
+            places = np.array(door.row.centre) + BEFORE_A_DOOR * np.array([[1.0], [-1.0]]) * _across(door.row)
+            ways = [float(reach[self.terrain.index(place)]) for place in places]
+            nearer = int(np.argmin(ways))
+            if not math.isfinite(ways[nearer]) or math.isfinite(ways[1 - nearer]) or self._is_avoided(places[nearer]):
+                continue
+            if best is None or ways[nearer] < best[0]:
+                best = ways[nearer], Target(places[nearer], "door", f"door {door.slot}")
+        return None if best is None else best[1]
+
+    def _is_shut(self, door: BelievedRegion) -> bool:
+        """Tell whether something stands in the middle of a door, as last seen."""
+        row, column = self.terrain.index(door.row.centre)
+        return bool(np.any(self.terrain.scores[max(0, row - 1) : row + 2, max(0, column - 1) : column + 2] > 0))
 
     def _is_avoided(self, point: Floats) -> bool:
         return any(np.hypot(*(point - centre)) < radius for centre, radius, _ in self._avoided)
@@ -160,6 +193,12 @@ class Planner:
             return None
         centre, kind = min(rooms, key=lambda room: float(np.hypot(*(room[0] - here))))
         return Target(centre, "explore", f"the {kind}")
+
+
+def _across(row: Row) -> Floats:
+    """Return the unit vector along the shorter side of a row: through a door."""
+    turn = row.phi if row.u[-1] - row.u[0] < row.t.max() - row.b.min() else row.phi + math.pi / 2
+    return np.array([math.cos(turn), math.sin(turn)])
 
 
 def _same(current: Target | None, frontier: Frontier) -> bool:

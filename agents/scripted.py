@@ -31,6 +31,17 @@ LOST = 0.5
 """Standard deviation of the position (m) above which it declares nothing."""
 HOME = 0.5
 """Distance from the start (m) within which the robot has returned."""
+AT_A_GOAL = 30
+"""Steps for which it stands at a goal without being sure."""
+AT_A_DOOR = 150
+"""Steps for which it waits before a shut door."""
+VERBS = {
+    "goal": "driving to",
+    "approach": "looking for the way to",
+    "explore": "exploring:",
+    "door": "waiting for",
+}
+"""What it does about a target, by its kind."""
 WAY_POINT = 2.0
 """Length of the way (m) handed to the local controller."""
 
@@ -87,7 +98,7 @@ class ScriptedAgent:
         self._progress = Progress()
         self._due = self._route_due = 0  # when to decide anew
         self._confirmations = 0
-        self._waiting = 0  # steps spent at the goal without being sure
+        self._waiting = 0  # steps spent standing at the target
         self._seen_all = False
 
     def say(self) -> str:
@@ -128,8 +139,8 @@ class ScriptedAgent:
         if self._progress.recovering:
             self._words = "backing off"
             return self._progress.escape(self.controller, ranges)
-        if last and self.target.kind == "goal" and np.hypot(*(way_point - view.pose[:2])) < 0.15:
-            return self._wait(view)
+        if last and self.target.kind in ("goal", "door") and np.hypot(*(way_point - view.pose[:2])) < 0.15:
+            return self._wait(AT_A_DOOR if self.target.kind == "door" else AT_A_GOAL)
         action = self.controller.drive(view.to_robot(way_point), ranges, final=last)
         remaining = _length(self.route) + float(np.hypot(*(self.target.point - self.route[-1])))
         if self._progress.stuck(remaining, self.controller.blocked):
@@ -154,8 +165,7 @@ class ScriptedAgent:
         self.route = np.zeros((0, 2))
         self._due = self._time + (10 if target is not None and target.kind == "goal" else 20)
         if target is not None:
-            verb = {"goal": "driving to", "approach": "looking for the way to", "explore": "exploring:"}[target.kind]
-            self._words = f"{verb} {target.place}"
+            self._words = f"{VERBS[target.kind]} {target.place}"
 
     def _way_point(self, view: View) -> tuple[Floats, bool]:
         """Return the point of the route to steer for, and whether it is the last one."""
@@ -169,12 +179,12 @@ class ScriptedAgent:
         reached = np.hypot(*(self.route[-1] - self.target.point)) < 0.2
         return (self.target.point if reached else self.route[-1]), True
 
-    def _wait(self, view: View) -> Floats:
-        """Stand at the goal until sure; after a while without, try another spot."""
+    def _wait(self, steps: int) -> Floats:
+        """Stand at the goal until sure, or before a door until it opens; after so many steps, try another spot."""
         self._waiting += 1
-        if self._waiting > 30 and self.target is not None:
+        if self._waiting > steps and self.target is not None:
             self._waiting = 0
-            self.planner.avoid(self.target, radius=0.4)
+            self.planner.avoid(self.target, radius=0.4, for_good=self.target.kind == "door")
             self._due = self._time + 1
         return np.zeros(2)
 

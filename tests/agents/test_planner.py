@@ -63,6 +63,29 @@ def test_regions_are_remembered_after_their_eviction() -> None:
     assert "the rest of the office" in {f.place for f in later}
 
 
+def test_waits_before_a_shut_door_where_nothing_else_is_left() -> None:
+    ends, shut = [(8, -1, 8, 1)], [(-0.5, 1.05, 0.5, 1.05)]
+    poses = [(x, y, 0.0) for x in (-3.0, 0.0, 4.0) for y in (-0.5, 0.0, 0.5)]
+    terrain = Terrain(180, 10.0, 7.0, 0.25)
+    for pose in poses:
+        terrain.insert(np.array(pose), scan(np.array(pose), np.array([*WALLS.tolist(), *ends, *shut])))
+    hallway = HALLWAY._replace(row=Row.from_parameters(2.0, 0, 12, 2), open_edges=())
+    door = Room("door", Row.from_parameters(0, 1.05, 1.0, 0.2))
+    seen = view((4.0, 0.5, 0.0), [hallway, door], "kitchen")
+    planner = Planner(terrain)
+    target = planner.decide(seen)
+    assert target is not None and target.kind == "door" and planner.leads_on
+    assert target.point == pytest.approx((0.0, 0.45), abs=1e-6)
+    assert not planner.resolved(target, view((0.0, 0.45, 0.0), [hallway, door], "kitchen"))
+    planner.avoid(target, radius=0.4, for_good=True)
+    given_up = planner.decide(seen)
+    assert (given_up is None or given_up.kind != "door") and not planner.leads_on
+    for _ in range(8):
+        terrain.insert(np.array((0.0, 0.3, 1.6)), scan(np.array((0.0, 0.3, 1.6)), np.array([*WALLS.tolist(), *ends])))
+    through = Planner(terrain).decide(seen)
+    assert through is not None and through.kind == "explore" and through.point[1] > 1
+
+
 def test_explores_while_no_goal_is_known() -> None:
     terrain = terrain_from(START, (0.0, 0.0, 0.0))
     target = Planner(terrain).decide(view((0.0, 0.0, 0.0), [HALLWAY, OFFICE], "kitchen"))
