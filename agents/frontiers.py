@@ -38,6 +38,8 @@ class Frontier:
         What it is, in words.
     worth
         Price (m) of what probably lies behind it: low where unknown rooms are to be expected.
+    leads_on
+        Whether unknown rooms may lie behind it, or the unseen rest of one that was never entered.
     """
 
     point: Floats
@@ -45,6 +47,7 @@ class Frontier:
     size: int
     place: str
     worth: float
+    leads_on: bool
 
     @property
     def price(self) -> float:
@@ -64,9 +67,11 @@ def find_frontiers(terrain: Terrain, view: View, clearance: float = CLEARANCE) -
     found = []
     for point, (row, column), size in zip(terrain.points(cells), cells, sizes, strict=True):
         if size >= SMALLEST:
-            place, worth = _appraise(_label_around(terrain, row, column), _nearest_door(doors, point), view)
+            label = _label_around(terrain, row, column)
+            place, worth = _appraise(label, _nearest_door(doors, point), view)
             worth += 6.0 if size < 6 else 0.0
-            found.append(Frontier(point, float(reach[row, column]), int(size), place, worth))
+            leads_on = worth < ROOM or _is_unfinished(label, view)
+            found.append(Frontier(point, float(reach[row, column]), int(size), place, worth, leads_on))
     return found
 
 
@@ -103,6 +108,12 @@ def _appraise(label: int, door: BelievedRegion | None, view: View) -> tuple[str,
     if door is not None:
         return f"door {door.slot} of the {kind}", 8.0
     return f"the rest of the {kind}", ROOM if is_open else 30.0
+
+
+def _is_unfinished(label: int, view: View) -> bool:
+    """Return whether a label is that of rooms with an open edge, one of which was never entered."""
+    kind, is_open = view.types[(label + 1) // 2 - 1], label % 2 == 1
+    return is_open and any(room.type == kind and room.open_edges and not room.visited for room in view.rooms)
 
 
 @njit

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from agents.believed import BelievedRegion, View
-from agents.frontiers import CLEARANCE, ROOM, Frontier, find_frontiers
+from agents.frontiers import CLEARANCE, Frontier, find_frontiers
 from agents.terrain import UNSEEN, Terrain
 from slam.rows import Floats, Row
 
@@ -95,7 +95,7 @@ class Planner:
         frontiers = [f for f in find_frontiers(self.terrain, view) if not self._is_avoided(f.point)]
         if not frontiers:
             frontiers = [f for f in find_frontiers(self.terrain, view, CLEARANCE / 2) if not self._is_avoided(f.point)]
-        self.leads_on = any(frontier.worth < ROOM for frontier in frontiers)
+        self.leads_on = any(frontier.leads_on for frontier in frontiers)
         if not self.leads_on and (view.goal is None or not frontiers):
             door = self._shut_door(view)
             if door is not None:

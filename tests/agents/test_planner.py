@@ -56,6 +56,16 @@ def test_what_is_left_of_a_known_room_is_worth_less() -> None:
     assert any(f.worth < 0 for f in find_frontiers(terrain, wanted) if f.place == "the rest of the office")
 
 
+def test_the_unseen_rest_of_a_room_leads_on_until_it_was_entered() -> None:
+    terrain, here = terrain_from(START, (0.0, 0.0, 0.0)), (0.0, 0.0, 0.0)
+    leads_on = {}
+    for visited in (False, True):
+        office = OFFICE._replace(open_edges=("t",), visited=visited)
+        frontiers = find_frontiers(terrain, view(here, [HALLWAY, office], "kitchen"))
+        leads_on[visited] = {f.leads_on for f in frontiers if f.place == "the rest of the office"}
+    assert leads_on == {False: {True}, True: {False}}
+
+
 def test_regions_are_remembered_after_their_eviction() -> None:
     terrain = terrain_from(START, (0.0, 0.0, 0.0))
     find_frontiers(terrain, view((0.0, 0.0, 0.0), [HALLWAY, OFFICE], "kitchen"))
