@@ -15,6 +15,8 @@ from slam.rows import Floats
 
 CLEARANCE = 0.3
 """Distance (m) from obstacles below which the end of the seen floor is a crack, not a frontier."""
+DOORWAY = 8
+"""Cells of a frontier that is long enough to hide a door."""
 SMALLEST = 3
 """Cells of the smallest frontier."""
 MOST = 256
@@ -39,7 +41,7 @@ class Frontier:
     worth
         Price (m) of what probably lies behind it: low where unknown rooms are to be expected.
     leads_on
-        Whether unknown rooms may lie behind it, or the unseen rest of one that was never entered.
+        Whether unknown rooms may lie behind it, also behind a door in the unseen rest of a room with an open edge.
     """
 
     point: Floats
@@ -70,7 +72,7 @@ def find_frontiers(terrain: Terrain, view: View, clearance: float = CLEARANCE) -
             label = _label_around(terrain, row, column)
             place, worth = _appraise(label, _nearest_door(doors, point), view)
             worth += 6.0 if size < 6 else 0.0
-            leads_on = worth < ROOM or _is_unfinished(label, view)
+            leads_on = worth < ROOM or (label % 2 == 1 and (size >= DOORWAY or _never_entered(label, view)))
             found.append(Frontier(point, float(reach[row, column]), int(size), place, worth, leads_on))
     return found
 
@@ -110,10 +112,10 @@ def _appraise(label: int, door: BelievedRegion | None, view: View) -> tuple[str,
     return f"the rest of the {kind}", ROOM if is_open else 30.0
 
 
-def _is_unfinished(label: int, view: View) -> bool:
-    """Return whether a label is that of rooms with an open edge, one of which was never entered."""
-    kind, is_open = view.types[(label + 1) // 2 - 1], label % 2 == 1
-    return is_open and any(room.type == kind and room.open_edges and not room.visited for room in view.rooms)
+def _never_entered(label: int, view: View) -> bool:
+    """Return whether a label is that of rooms with an open edge one of which was never entered."""
+    kind = view.types[(label + 1) // 2 - 1]
+    return any(room.type == kind and room.open_edges and not room.visited for room in view.rooms)
 
 
 @njit

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from typing import Any
 
@@ -44,6 +45,7 @@ def play(env: gymnasium.Env[Any, Any], seed: int | None = None, tell: Told = lam
         from gymnasium.utils.play import play as run_game
     except (ImportError, gymnasium.error.DependencyNotInstalled):
         raise InputError('playing needs pygame: pip install "regionslam-env[render]"') from None
+    _check_display(pygame)
     count = 0
 
     def after_step(
@@ -65,6 +67,16 @@ def play(env: gymnasium.Env[Any, Any], seed: int | None = None, tell: Told = lam
     except pygame.error as error:
         raise InputError(f"no window can be opened: {error}") from None
     return count
+
+
+def _check_display(pygame: Any) -> None:
+    """Refuse to play where nobody sees a window, unless the environment variable of SDL asks for such a driver."""
+    try:
+        pygame.display.init()
+    except pygame.error as error:
+        raise InputError(f"no window can be opened: {error}") from None
+    if pygame.display.get_driver() in ("dummy", "offscreen") and "SDL_VIDEODRIVER" not in os.environ:
+        raise InputError("no window can be opened: there is no display")
 
 
 def _action(env: gymnasium.Env[Any, Any], motion: tuple[float, ...], declare: float) -> NDArray[np.float32]:
