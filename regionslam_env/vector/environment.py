@@ -11,6 +11,7 @@ from gymnasium.vector import AutoresetMode, SyncVectorEnv
 from numpy.typing import ArrayLike, NDArray
 
 from regionslam_env.actions import read_actions
+from regionslam_env.arguments import whole_number
 from regionslam_env.env import SemanticNavigationEnv
 from regionslam_env.observations import Observation
 from regionslam_env.vector.copies import Copies, can_step_together
@@ -52,7 +53,7 @@ class NavigationVectorEnv(SyncVectorEnv):
         **kwargs: Any,
     ) -> None:
         make = partial(env_type, **kwargs)
-        super().__init__([make] * num_envs, copy=copy, autoreset_mode=autoreset_mode)
+        super().__init__([make] * whole_number("num_envs", num_envs), copy=copy, autoreset_mode=autoreset_mode)
         self._alike = can_step_together(self.envs)
         self._copies: Any = None  # `Copies`, from the first reset on
 

@@ -8,6 +8,7 @@ import pytest
 from gymnasium.error import ResetNeeded
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
+from regionslam_env.errors import ConfigError
 from regionslam_env.missions.mission import GoTo, Mission
 from regionslam_env.observations import ProgressColumn
 from regionslam_env.registration import ENVIRONMENTS
@@ -259,3 +260,9 @@ def test_what_is_set_counts_for_each_copy(name, values, floor):
     for envs in (ours, theirs):
         envs.set_attr(name, values)
     drive_both(ours, theirs, 12)
+
+
+@pytest.mark.parametrize("num_envs", [0, 1.5])
+def test_a_number_of_copies_that_is_none_is_refused(num_envs, floor):
+    with pytest.raises(ConfigError, match=f"num_envs is {num_envs}"):
+        native(GOTO, num_envs, world=floor)
