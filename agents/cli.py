@@ -219,11 +219,14 @@ class _Teller:
 
 
 def _verdict(summary: dict[str, Any]) -> str:
+    from agents.run import ending
+
     if summary["success"]:
         verdict = "[bold green]Done[/bold green]"
     else:
-        reason = "declared done what was not" if summary["false_arrival"] else "out of time"
-        verdict = f"[bold red]Failed[/bold red] ({reason}, {summary['completed']:.0%} of the instructions done)"
+        verdict = (
+            f"[bold red]Failed[/bold red] ({ending(summary)}, {summary['completed']:.0%} of the instructions done)"
+        )
     spl = "" if summary["spl"] is None else f"SPL {summary['spl']:.2f}, "
     return (
         f"{verdict}: {summary['path_length']:.1f} m in {summary['steps']} steps, {spl}"

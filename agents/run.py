@@ -24,18 +24,8 @@ MAX_STEPS = 6000
 MAX_REGIONS = 128
 
 SUMMARY_KEYS = (
-    *(
-        "success",
-        "completed",
-        "false_arrival",
-        "steps",
-        "path_length",
-        "spl",
-        "ape_max",
-        "ape_end",
-        "collisions",
-        "wall_seconds",
-    ),
+    *("success", "completed", "false_arrival", "steps", "path_length", "spl"),
+    *("ape_max", "ape_end", "collisions", "wall_seconds"),
     *("mission", "world", "seed"),
 )
 
@@ -166,12 +156,16 @@ def _summary(settings: RunSettings, info: dict[str, Any], steps: int, wall_secon
     return {key: plain(values[key]) for key in SUMMARY_KEYS}
 
 
+def ending(summary: dict[str, Any]) -> str:
+    """Return in words how a mission ended."""
+    if summary["success"]:
+        return "done"
+    return "declared done what was not" if summary["false_arrival"] else "out of time"
+
+
 def _verdict(summary: dict[str, Any]) -> str:
     """Return how a mission ended, in a few words."""
-    verdict = (
-        "done" if summary["success"] else "declared done what was not" if summary["false_arrival"] else "out of time"
-    )
-    return f"{verdict}; at the end the robot is {100 * summary['ape_end']:.0f} cm from where it believes to be"
+    return f"{ending(summary)}; at the end the robot is {100 * summary['ape_end']:.0f} cm from where it believes to be"
 
 
 def _write(out: Path, recorder: Recorder, base: Any, summary: dict[str, Any]) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 from regionslam_env.errors import ConfigError, WorldError
 from regionslam_env.missions.mission import Explore, Mission
 from regionslam_env.tasks.rewards import EXPLORE_REWARD_SETS, ExploreRewardConfig, explore_reward
-from regionslam_env.tasks.start import Pose, checked_start
+from regionslam_env.tasks.start import Pose, checked_start, distance_from
 from regionslam_env.tasks.survey import Survey
 from regionslam_env.tasks.task import DrawnMission, Moment, Task, TaskSettings, Verdict
 from regionslam_env.worlds.geodesic import Geodesic
@@ -70,7 +70,7 @@ class ExploreTask(Task):
             pose: Pose = (x, y, float(rng.uniform(-math.pi, math.pi)))
         else:
             pose = checked_start(self.geodesic, start, standing)
-        if not math.isfinite((self._floor.near if standing else self._floor.at)(pose[0], pose[1])):
+        if not math.isfinite(distance_from(self._floor, pose, standing)):
             raise ConfigError(
                 f"world {self.world.name!r}: no way from ({pose[0]:.2f}, {pose[1]:.2f}) "
                 "to the largest connected part of the floor"

@@ -12,7 +12,7 @@ from regionslam_env.errors import ConfigError, unknown
 from regionslam_env.missions.mission import GoTo, Mission
 from regionslam_env.tasks.approach import Approach, Outcome
 from regionslam_env.tasks.rewards import REWARD_SETS, RewardConfig, goto_reward
-from regionslam_env.tasks.start import Pose, checked_distance, checked_start, draw_start
+from regionslam_env.tasks.start import Pose, checked_distance, checked_start, distance_from, draw_start
 from regionslam_env.tasks.task import DrawnMission, Moment, Task, TaskSettings, Verdict
 from regionslam_env.worlds.geodesic import Geodesic
 from regionslam_env.worlds.world import World
@@ -153,7 +153,7 @@ class GoToTask(Task):
             pose = draw_start(rng, self.geodesic, field, goal, self.start_distance)
         else:
             pose = checked_start(self.geodesic, start, standing)
-        shortest = (field.near if standing else field.at)(pose[0], pose[1])
+        shortest = distance_from(field, pose, standing)
         if not math.isfinite(shortest):
             raise ConfigError(f"world {self.world.name!r}: no way from ({pose[0]:.2f}, {pose[1]:.2f}) to any {goal!r}")
         return goal, pose, shortest

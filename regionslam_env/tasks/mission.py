@@ -14,7 +14,7 @@ from regionslam_env.missions.mission import Explore, GoTo, Instruction, Mission,
 from regionslam_env.tasks.approach import Approach
 from regionslam_env.tasks.goto import drawable_types
 from regionslam_env.tasks.rewards import MISSION_REWARD_SETS, MissionRewardConfig, mission_reward
-from regionslam_env.tasks.start import Pose, checked_distance, checked_start, draw_start
+from regionslam_env.tasks.start import Pose, checked_distance, checked_start, distance_from, draw_start
 from regionslam_env.tasks.survey import Survey
 from regionslam_env.tasks.task import DrawnMission, Moment, Task, TaskSettings, Verdict
 from regionslam_env.worlds.geodesic import Field, Geodesic
@@ -200,7 +200,7 @@ class MissionTask(Task):
             pose = checked_start(self.geodesic, start, standing)
         x, y, _ = pose
         for words, goal in goals.items():
-            if not math.isfinite(goal.near(x, y) if standing else goal.at(x, y)):
+            if not math.isfinite(distance_from(goal, pose, standing)):
                 raise ConfigError(f"world {self.world.name!r}: no way from ({x:.2f}, {y:.2f}) in order to {words}")
         approaches = self._ways(mission, pose if home is None else home)
         shortest = None if None in approaches else approaches[0].near(x, y)  # type: ignore[union-attr]

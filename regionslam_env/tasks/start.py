@@ -55,6 +55,11 @@ def checked_start(geodesic: Geodesic, start: Sequence[float], standing: bool) ->
     return x, y, theta
 
 
+def distance_from(field: Field, start: Pose, standing: bool) -> float:
+    """Return the distance in a field from a start, m; a robot that is `standing` may be where no way begins."""
+    return (field.near if standing else field.at)(start[0], start[1])
+
+
 def checked_distance(start_distance: float) -> float:
     """Return the least distance of a start from its goal, m, or refuse it."""
     number = isinstance(start_distance, int | float) and not isinstance(start_distance, bool)
