@@ -101,7 +101,7 @@ def evaluate(
     check_folder(out)
     model = load_model(agent)
     trained = {} if model is None else model.regionslam
-    env_id = check_environment(env or trained.get("env_id", "RegionSLAM/GoTo-v0"))
+    env_id = check_environment(env or trained.get("env_id", "RegionSLAM/GoTo-v0"), goal=goal, mission=mission)
     chosen = given(world=world, goal=goal, mission=mission, split=split, localization=localization, dynamics=dynamics)
     kwargs = {**trained.get("env_kwargs", {}), **chosen}
     environment = gymnasium.make(env_id, **kwargs)
@@ -143,7 +143,7 @@ def train(
     from agents.train import TrainSettings
     from agents.train import train as run_training
 
-    check_environment(env)
+    check_environment(env, goal=goal, mission=mission)
     check_folder(out.parent)
     began = time.perf_counter()
     settings = TrainSettings(
@@ -175,8 +175,9 @@ def play(
     from agents.play import play as drive
 
     say = console()
+    check_environment(env, goal=goal, mission=mission)
     chosen = given(goal=goal, mission=mission, dynamics=dynamics)
-    environment = gymnasium.make(check_environment(env), world=world, render_mode="rgb_array", **chosen)
+    environment = gymnasium.make(env, world=world, render_mode="rgb_array", **chosen)
     say.print(HELP)
     finished: list[dict[str, Any]] = []
 

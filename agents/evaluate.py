@@ -9,11 +9,12 @@ from typing import Any, Protocol
 
 import gymnasium
 import numpy as np
+from gymnasium.envs.registration import load_env_creator
 
 from agents.console import InputError
 from agents.recorder import Recorder
 from agents.scripted import ScriptedAgent
-from regionslam_env.errors import unknown
+from regionslam_env.errors import short, unknown
 from regionslam_env.registration import ENVIRONMENTS
 from regionslam_env.tasks.metrics import METRICS
 from slam.storage import replacing
@@ -71,11 +72,37 @@ class PolicyAgent:
         return action
 
 
-def check_environment(env_id: str) -> str:
-    """Return a known environment id, or raise `InputError` with the nearest ones."""
+def check_environment(env_id: str, **wanted: str | None) -> str:
+    """Return a known environment id that takes what is wanted of it.
+
+    Parameters
+    ----------
+    env_id
+        What came.
+    wanted
+        Values of the options ``goal`` and ``mission``; None: not given.
+
+    Raises
+    ------
+    InputError
+        For an unknown id, with the nearest ones, and for an option that belongs to other environments.
+    """
     if env_id not in ENVIRONMENTS:
         raise InputError(unknown("environment", env_id, ENVIRONMENTS))
+    own = _option(env_id)
+    for name, value in wanted.items():
+        if value is not None and name != own:
+            takes = f"takes --{own}" if own else "is always the same"
+            other = next(known for known in ENVIRONMENTS if _option(known) == name)
+            raise InputError(f"--{name} is {short(value)}, but {env_id} {takes}; {other} takes --{name}")
     return env_id
+
+
+def _option(env_id: str) -> str | None:
+    """Return the option that says what is to be done in an environment; None where there is nothing to choose."""
+    env_class: Any = load_env_creator(ENVIRONMENTS[env_id]["entry_point"])
+    option: str | None = env_class.task_type.option
+    return option
 
 
 def make_agent(name: str, env: gymnasium.Env[Any, Any], seed: int = 0, model: Any = None) -> Agent:

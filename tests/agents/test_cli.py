@@ -117,6 +117,18 @@ def test_a_failed_mission_has_exit_code_1(monkeypatch):
         (("evaluate", "no/such.zip"), ("no/such.zip",)),
         (("evaluate", "random", "--env", "RegionSLAM/GoTo-v1"), ("GoTo-v1", "RegionSLAM/GoTo-v0")),
         (("evaluate", "random", "--goal", "kitchn"), ("kitchn", "kitchen")),
+        (
+            ("evaluate", "random", "--mission", "find the lab"),
+            ("--mission is 'find the lab'", "RegionSLAM/GoTo-v0 takes --goal; RegionSLAM/Mission-v0 takes --mission"),
+        ),
+        (
+            ("play", "--env", "RegionSLAM/Mission-Oracle-v0", "--goal", "lab"),
+            ("--goal is 'lab'", "RegionSLAM/Mission-Oracle-v0 takes --mission; RegionSLAM/GoTo-v0 takes --goal"),
+        ),
+        (
+            ("train", "--env", "RegionSLAM/Explore-v0", "--goal", "lab"),
+            ("RegionSLAM/Explore-v0 is always the same; RegionSLAM/GoTo-v0 takes --goal",),
+        ),
         (("evaluate", "random", "--split", "tests"), ("tests", "'test'")),
         (("train", "--env", "CartPole-v1"), ("CartPole-v1", "RegionSLAM/GoTo-v0")),
         (("benchmark", "envs"), ("envs", "'env'")),
