@@ -39,8 +39,13 @@ def unknown(kind: str, name: object, known: Iterable[str]) -> str:
         return f"{line}: did you mean {' or '.join(map(short, near))}?"
     if not names:
         return line
-    shown = ", ".join(map(short, names[:20])) + (", ..." if len(names) > 20 else "")
-    return f"{line}: expected one of {shown}"
+    return f"{line}: expected one of {listed(names)}"
+
+
+def listed(names: Iterable[str]) -> str:
+    """Return names in quotes and in their order, the first 20 of them."""
+    every = sorted(set(names))
+    return ", ".join(map(short, every[:20])) + (", ..." if len(every) > 20 else "")
 
 
 def short(name: object) -> str:

@@ -11,7 +11,7 @@ from functools import cache
 from lark import Lark, Token, Tree
 from lark.exceptions import UnexpectedInput
 
-from regionslam_env.errors import ConfigError, unknown
+from regionslam_env.errors import ConfigError, listed, short, unknown
 from regionslam_env.missions.mission import Explore, GoTo, Instruction, Mission, Return
 
 _VERBS = "|".join(
@@ -116,7 +116,8 @@ def parse(text: str, known_types: Iterable[str]) -> Mission:
     Raises
     ------
     MissionError
-        If the words are none of the known forms, or a place none of the known types (the nearest are named).
+        If the words are none of the known forms, or a place none of the known types (the nearest are named, or, where
+        everybody knows what is meant, those that there are).
     """
     try:
         tree = _grammar().parse(text.casefold())
@@ -135,10 +136,19 @@ def place_type(name: str, known_types: Iterable[str]) -> str:
     for form in _forms(_key(name)):
         if form in types:
             return types[form]
-        for kind, words in SYNONYMS.items():
-            if form in map(_key, words) and kind in types:
+        for kind in _meant(form):
+            if kind in types:
                 return types[kind]
+    for form in _forms(_key(name)):
+        for kind in _meant(form):
+            meant = "" if kind == name else f" ({short(kind)})"
+            raise MissionError(f"no {short(name)}{meant} here: expected one of {listed(known)}")
     raise MissionError(unknown("place", name, known))
+
+
+def _meant(form: str) -> Iterator[str]:
+    """Yield the types of the default vocabulary that a name stands for."""
+    return (kind for kind, words in SYNONYMS.items() if form == kind or form in map(_key, words))
 
 
 def _key(name: str) -> str:

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import re
+
 import pytest
 
 from regionslam_env.errors import ConfigError
@@ -65,9 +67,17 @@ def test_known_types_come_before_synonyms() -> None:
     assert place_type("corridor", ("Hallway",)) == "Hallway"
 
 
-def test_synonym_of_an_unknown_type_is_unknown() -> None:
-    with pytest.raises(MissionError, match="lift"):
-        place_type("lift", TYPES)
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("lift", "no 'lift' ('elevator') here: expected one of 'hallway', 'kitchen'"),
+        ("lifts", "no 'lifts' ('elevator') here"),
+        ("elevator", "no 'elevator' here: expected one of 'hallway', 'kitchen'"),
+    ],
+)
+def test_a_known_type_that_is_not_there_is_not_called_unknown(name: str, message: str) -> None:
+    with pytest.raises(MissionError, match=re.escape(message)):
+        place_type(name, ("kitchen", "hallway"))
 
 
 def test_unknown_place_names_the_nearest() -> None:
