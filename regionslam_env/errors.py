@@ -18,7 +18,7 @@ class WorldError(ValueError):
 
 
 def unknown(kind: str, name: object, known: Iterable[str]) -> str:
-    """Return one line saying that `name` is no known `kind`, with the nearest known names.
+    """Return one line saying that `name` is no known `kind`, with the nearest known names, or those that it contains.
 
     Parameters
     ----------
@@ -34,6 +34,7 @@ def unknown(kind: str, name: object, known: Iterable[str]) -> str:
     for candidate in names:
         lower.setdefault(candidate.lower(), candidate)
     near = [lower[n] for n in difflib.get_close_matches(str(name).lower()[:200], lower, n=3, cutoff=0.6)]
+    near = near or [lower[n] for n in lower if f" {n} " in f" {str(name).lower()[:200]} "]
     line = f"unknown {kind} {short(name)}"
     if near:
         return f"{line}: did you mean {' or '.join(map(short, near))}?"

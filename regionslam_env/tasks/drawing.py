@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from regionslam_env.errors import ConfigError, unknown
+from regionslam_env.errors import ConfigError, listed, unknown
 from regionslam_env.missions.mission import Mission
 from regionslam_env.tasks.start import Pose
 from regionslam_env.tasks.task import DrawnMission, Task
@@ -70,12 +70,19 @@ class MissionSource:
             return self.task.draw(rng, mission, start), None
         if number is not None or start is not None:
             return self._enter(int(world_rng.integers(PER_SPLIT)) if number is None else number, rng, mission, start)
+        seen: set[str] = set()
         for _ in range(WORLD_TRIES):
+            tried = int(world_rng.integers(PER_SPLIT))
             try:
-                return self._enter(int(world_rng.integers(PER_SPLIT)), rng, mission, None)
+                return self._enter(tried, rng, mission, None)
             except ConfigError as error:
                 last = error
-        raise ConfigError(f"none of {WORLD_TRIES} worlds of kind {self._worlds.kind!r} will do; the last one: {last}")
+                seen |= set(self._worlds.world(tried).types)
+        none = f"none of {WORLD_TRIES} worlds of kind {self._worlds.kind!r}"
+        for region_type in () if mission is None else mission.types:
+            if region_type not in seen:
+                raise ConfigError(f"{none} has a {region_type!r}: expected one of {listed(seen)}")
+        raise ConfigError(f"{none} will do; the last one: {last}")
 
     def stay(
         self,

@@ -121,9 +121,10 @@ def test_another_process_sees_the_same():
         ({"world": "offise"}, None, "unknown world 'offise': did you mean 'office'?"),
         ({"world_options": {"sise": 3}}, None, "unknown key of world_options 'sise': did you mean 'size'?"),
         ({"goal": "kitchn"}, None, "unknown goal 'kitchn': did you mean 'kitchen'?"),
+        ({"goal": "hospital ward"}, None, "unknown goal 'hospital ward': did you mean 'ward'?"),
         ({"world": "institute", "world_options": None}, {"world_seed": 1}, "world_seed is 1, expected none"),
         ({}, {"world_seed": -1}, "world_seed is -1, expected a whole number from 0 to 4294967295"),
-        ({"goal": "ward"}, None, "none of 100 worlds of kind 'office' will do"),
+        ({"goal": "ward"}, None, "none of 100 worlds of kind 'office' has a 'ward': expected one of "),
         ({}, {"world_seed": 2, "goal": "ward"}, "world 'office 2': unknown goal 'ward'"),
     ],
 )
