@@ -220,14 +220,12 @@ class _Teller:
 
 
 def _verdict(summary: dict[str, Any]) -> str:
-    from agents.run import ending
+    from agents.run import ending, shortfall
 
     if summary["success"]:
         verdict = "[bold green]Done[/bold green]"
     else:
-        verdict = (
-            f"[bold red]Failed[/bold red] ({ending(summary)}, {summary['completed']:.0%} of the instructions done)"
-        )
+        verdict = f"[bold red]Failed[/bold red] ({ending(summary)}, {shortfall(summary)})"
     spl = "" if summary["spl"] is None else f"SPL {summary['spl']:.2f}, "
     return (
         f"{verdict}: {summary['path_length']:.1f} m in {summary['steps']} steps, {spl}"

@@ -22,9 +22,10 @@ from slam.storage import replacing, save_map
 ENVIRONMENT = "RegionSLAM/Mission-v0"
 MAX_STEPS = 6000
 MAX_REGIONS = 128
+MAP_SHARE = 0.9
 
 SUMMARY_KEYS = (
-    *("success", "completed", "false_arrival", "steps", "path_length", "spl"),
+    *("success", "completed", "explored", "false_arrival", "steps", "path_length", "spl"),
     *("ape_max", "ape_end", "collisions", "wall_seconds"),
     *("mission", "world", "seed"),
 )
@@ -128,6 +129,7 @@ def make_environment(settings: RunSettings, world: World) -> gymnasium.Env[Any, 
         "arrival": "declare",
         "max_steps": MAX_STEPS,
         "max_regions": MAX_REGIONS,
+        "map_share": MAP_SHARE,
         "semantic_types": (*types, other),
         "localization": settings.localization,
         "noise": settings.noise,
@@ -161,6 +163,15 @@ def ending(summary: dict[str, Any]) -> str:
     if summary["success"]:
         return "done"
     return "declared done what was not" if summary["false_arrival"] else "out of time"
+
+
+def shortfall(summary: dict[str, Any]) -> str:
+    """Return in words how much of a failed mission was done."""
+    words = f"{summary['completed']:.0%} of the instructions done"
+    explored = summary["explored"]
+    if explored is None or explored >= MAP_SHARE:
+        return words
+    return f"{words}, {explored:.1%} of the regions mapped where {MAP_SHARE:.0%} are needed"
 
 
 def _verdict(summary: dict[str, Any]) -> str:

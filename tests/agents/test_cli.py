@@ -98,7 +98,18 @@ def test_a_failed_mission_has_exit_code_1(monkeypatch):
     assert result.exit_code == 1
     summary = last_json(result)
     assert summary["success"] is False and summary["false_arrival"] is False and summary["steps"] == 3
-    assert "out of time, 0% of the instructions done" in result.stdout
+    assert "out of time, 0% of the instructions done)" in result.stdout and summary["explored"] is None
+
+
+@pytest.mark.compiled
+def test_a_failed_exploration_says_how_much_is_missing(monkeypatch):
+    monkeypatch.setattr("agents.run.MAX_STEPS", 100)
+    result = invoke("run", "explore", "--json")
+    assert result.exit_code == 1
+    explored = last_json(result)["explored"]
+    assert 0 < explored < 0.9
+    words = f"out of time, 0% of the instructions done, {explored:.1%} of the regions mapped where 90% are needed)"
+    assert words in result.stdout
 
 
 @pytest.mark.parametrize(
