@@ -11,7 +11,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from slam.jit import njit
+from slam.jit import lean, njit
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -32,7 +32,7 @@ def ray_directions(count: int) -> Floats:
     return np.ascontiguousarray([np.cos(angles), np.sin(angles)])
 
 
-@njit
+@lean
 def cast(
     x: float,
     y: float,
@@ -97,7 +97,7 @@ def cast(
         ranges[k] = 1 / ranges[k]
 
 
-@njit
+@lean
 def _out_of_reach(px: float, py: float, qx: float, qy: float, cross: float, reach: float) -> bool:
     """Return whether the segment from p to q, with p x q >= 0, is farther than `reach` from the origin."""
     ex, ey = qx - px, qy - py
@@ -151,7 +151,7 @@ class NearbyIndex:
         return self.cells[2][first:last]
 
 
-@njit
+@lean
 def list_of(cells: tuple[Floats, Ints, Ints], x: float, y: float) -> tuple[int, int]:
     """Return where the list for a point begins and ends (`NearbyIndex.cells`)."""
     frame, first, _ = cells

@@ -11,7 +11,7 @@ from regionslam_env.config import NoiseConfig, SensorConfig
 from regionslam_env.geometry import NearbyIndex, cast, ray_angles, ray_directions, segment_boxes
 from regionslam_env.simulation.movers import Movers
 from regionslam_env.worlds.world import WorldArrays
-from slam.jit import njit
+from slam.jit import lean
 
 Floats = NDArray[np.float64]
 
@@ -95,7 +95,7 @@ def _fixed_segments(arrays: WorldArrays, reach: float) -> tuple[Floats, NearbyIn
     return segments, NearbyIndex(segment_boxes(segments), reach)
 
 
-@njit
+@lean
 def scan_ranges(
     x: float,
     y: float,
@@ -114,7 +114,7 @@ def scan_ranges(
         blur(ranges, normals, sigma, reach)
 
 
-@njit
+@lean
 def blur(ranges: Floats, normals: Floats, sigma: float, reach: float) -> None:
     """Add noise of standard deviation `sigma` to every distance below `reach`, within [0, reach]."""
     for k in range(ranges.shape[0]):

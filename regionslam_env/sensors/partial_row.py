@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from regionslam_env.sensors.sight import BOTTOM, BOX_U, BOX_V, LEFT, RIGHT, TOP
-from slam.jit import njit
+from slam.jit import lean
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -24,7 +24,7 @@ _SMALLEST = 0.1  # of its size, that noise leaves of a rectangle
 _OPEN, _CLOSED, _SUBRECT = 0, 1, 2  # EdgeState
 
 
-@njit
+@lean
 def visible_run(row: Any, sights: Floats, useful_length: float) -> tuple[int, int]:
     """Return the first rectangle and the number of rectangles of the longest run that is seen usefully.
 
@@ -44,7 +44,7 @@ def visible_run(row: Any, sights: Floats, useful_length: float) -> tuple[int, in
     return best, longest
 
 
-@njit
+@lean
 def cut_row(
     row: Any,
     at_u: float,
@@ -80,7 +80,7 @@ def cut_row(
         states[1], u[count] = _OPEN, sights[last, BOX_U + 1]
 
 
-@njit
+@lean
 def turn_part(count: int, u: Floats, b: Floats, t: Floats, states: Ints) -> None:
     """Describe a part in axes turned by pi: the last rectangle becomes the first."""
     for i in range(count // 2 + 1):
@@ -95,7 +95,7 @@ def turn_part(count: int, u: Floats, b: Floats, t: Floats, states: Ints) -> None
         states[2 + 2 * j], states[3 + 2 * j] = top, bottom
 
 
-@njit
+@lean
 def write_part(
     record: Any,
     count: int,
@@ -165,13 +165,13 @@ def write_part(
         record.edges[6 + 3 * side] = states[side]
 
 
-@njit
+@lean
 def _sigma(size: float, sigma: float, full_size: float) -> float:
     """Return the told standard deviation of a size: in proportion if small (`MeasurementNoise.variance_of_size`)."""
     return sigma * min(1.0, size / full_size)
 
 
-@njit
+@lean
 def _noisy_size(size: float, noise: float) -> float:
     """Return a size with noise, never below a fraction of the size."""
     return max(size + noise, _SMALLEST * size)

@@ -17,10 +17,10 @@ from regionslam_env.config import NoiseConfig, SensorConfig
 from regionslam_env.geometry import NearbyIndex, cast, ray_angles, ray_directions, segment_boxes
 from regionslam_env.sensors.distortion import distort
 from regionslam_env.sensors.partial_row import DRAWS, cut_row, turn_part, visible_run, write_part
-from regionslam_env.sensors.sight import SIGHT, look, turn_rays
+from regionslam_env.sensors.sight import SIGHT, look, out_of_view, turn_rays
 from regionslam_env.simulation.movers import Movers
 from regionslam_env.worlds.world import WorldArrays
-from slam.jit import njit
+from slam.jit import lean, njit
 from slam.measurement import LINK, MEASUREMENT, Scan
 from slam.rows import MAX_RECTANGLES
 
@@ -205,7 +205,7 @@ def sense(
     return count, write_links(sources, count, starts, neighbours, link_confidence, slots, links)
 
 
-@njit
+@lean
 def outline(directions: Floats, ranges: Floats, open_rays: Floats, view: Floats) -> None:
     """Cut rays outside the field of view (`open_rays` 0, else 1) to nothing and write where all end, shape (n, 2)."""
     for k in range(ranges.shape[0]):
@@ -255,19 +255,21 @@ def scan_regions(
     sights = np.empty((MAX_RECTANGLES, SIGHT))
     u, b, t = np.empty(MAX_RECTANGLES + 1), np.empty(MAX_RECTANGLES), np.empty(MAX_RECTANGLES)
     states = np.empty(2 + 2 * MAX_RECTANGLES, np.int64)
-    ends, turned = np.empty((2, ranges.shape[0])), math.nan
+    ends, heading = np.empty((2, ranges.shape[0])), math.nan
+    c, s, axis, box = 0.0, 0.0, (0.0, 0.0), (0.0, 0.0, 0.0, 0.0)
     count = 0
     for j in nearby:
         row = rows[j]
         if (row.cx - x) ** 2 + (row.cy - y) ** 2 > (reach + row.radius) ** 2:
             continue
-        c, s = math.cos(row.phi), math.sin(row.phi)
+        if row.phi != heading:  # many rows have the same one
+            heading = row.phi
+            c, s = math.cos(heading), math.sin(heading)
+            axis = (math.cos(heading - theta), math.sin(heading - theta))
+            box = turn_rays(axis, directions, ranges, ends)
         at_u, at_v = c * (x - row.x) + s * (y - row.y), c * (y - row.y) - s * (x - row.x)
-        phi = row.phi - theta
-        axis = (math.cos(phi), math.sin(phi))
-        if phi != turned:  # many rows have the same heading
-            turn_rays(axis, directions, ranges, ends)
-            turned = phi
+        if out_of_view(row, at_u, at_v, box):
+            continue
         for i in range(row.n):
             bounds = (row.u[i] - at_u, row.u[i + 1] - at_u, row.b[i] - at_v, row.t[i] - at_v)
             look(bounds, axis, ends, ranges, reach, tolerance, sights[i])
@@ -281,21 +283,21 @@ def scan_regions(
         source = sources[count]
         source.region, source.first, source.turned = j, first, 0
         draws = normals[count * DRAWS : (count + 1) * DRAWS]
-        phi += gain * told[2] * draws[4]
+        phi, first_axis = heading - theta + gain * told[2] * draws[4], axis
         phi -= 2 * math.pi * math.floor((phi + math.pi) / (2 * math.pi))
         if not -math.pi / 2 < phi <= math.pi / 2:
             phi += -math.pi if phi > 0 else math.pi
             turn_part(length, u, b, t, states)
             source.turned = 1
-            axis, main = (-axis[0], -axis[1]), length - 1 - main
+            first_axis, main = (-axis[0], -axis[1]), length - 1 - main
         record = records[count]
         record.type, record.confidence, record.phi = row.type, confidence, phi
-        write_part(record, length, main, u, b, t, states, axis, told, gain, draws)
+        write_part(record, length, main, u, b, t, states, first_axis, told, gain, draws)
         count += 1
     return count
 
 
-@njit
+@lean
 def write_links(
     sources: NDArray[np.void],
     count: int,

@@ -7,11 +7,12 @@ far. Everything is computed relative to the sensor, along the rectangle's own ax
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from slam.jit import njit
+from slam.jit import lean
 
 Floats = NDArray[np.float64]
 Bounds = tuple[float, float, float, float]
@@ -23,10 +24,11 @@ SIGHT = 8  # entries of a sight
 _LOST, _STOPPED, _THROUGH = 0, 1, 2  # a ray ends before an edge, at a wall just before it, beyond it
 _FEWEST_RAYS = 3  # into a rectangle, for it to be seen from outside
 _ROUNDING = 1e-9
+_LEEWAY = 1e-6  # around what is seen, m
 _ON_THE_LINE = 1e-6  # an edge whose line runs through the sensor is not seen, m
 
 
-@njit
+@lean
 def look(
     bounds: Bounds,
     axis: tuple[float, float],
@@ -71,15 +73,44 @@ def look(
         _look_around(bounds, ends, seen)
 
 
-@njit
-def turn_rays(axis: tuple[float, float], directions: Floats, ranges: Floats, ends: Floats) -> None:
-    """Write where rays of the sensor's frame end, along `axis` and across it, shape (2, n)."""
+@lean
+def turn_rays(axis: tuple[float, float], directions: Floats, ranges: Floats, ends: Floats) -> Bounds:
+    """Write where rays of the sensor's frame end, along `axis` and across it, shape (2, n).
+
+    Returns
+    -------
+    tuple
+        The box around the sensor and these ends: left, right, bottom and top, m.
+    """
     for i in range(ranges.shape[0]):
         ends[0, i] = ranges[i] * (axis[0] * directions[0, i] + axis[1] * directions[1, i])
         ends[1, i] = ranges[i] * (axis[0] * directions[1, i] - axis[1] * directions[0, i])
+    left = right = bottom = top = 0.0
+    for i in range(ranges.shape[0]):
+        left, right = min(left, ends[0, i]), max(right, ends[0, i])
+        bottom, top = min(bottom, ends[1, i]), max(top, ends[1, i])
+    return left, right, bottom, top
 
 
-@njit
+@lean
+def out_of_view(row: Any, at_u: float, at_v: float, box: Bounds) -> bool:
+    """Return whether no rectangle of a row touches the box around all that is seen: then no ray gets into one.
+
+    The sensor is at (at_u, at_v) of the row's frame; for the box see `turn_rays`.
+    """
+    left, right, bottom, top = box
+    for i in range(row.n):
+        if (
+            row.u[i] - at_u <= right + _LEEWAY
+            and row.u[i + 1] - at_u >= left - _LEEWAY
+            and row.b[i] - at_v <= top + _LEEWAY
+            and row.t[i] - at_v >= bottom - _LEEWAY
+        ):
+            return False
+    return True
+
+
+@lean
 def _look_around(bounds: Bounds, ends: Floats, seen: Floats) -> None:
     """Widen the box by the sensor's place and the ends of all rays inside the rectangle."""
     left, right, bottom, top = bounds
@@ -97,7 +128,7 @@ def _look_around(bounds: Bounds, ends: Floats, seen: Floats) -> None:
     _stretch(seen, BOX_V, most_v)
 
 
-@njit
+@lean
 def _faces(edge: int, bounds: Bounds) -> bool:
     """Return whether the rectangle lies behind this edge, seen from the sensor."""
     left, right, bottom, top = bounds
@@ -108,7 +139,7 @@ def _faces(edge: int, bounds: Bounds) -> bool:
     return left > 0 if edge == LEFT else right < 0
 
 
-@njit
+@lean
 def _look_at_edge(
     edge: int,
     bounds: Bounds,
@@ -190,13 +221,13 @@ def _look_at_edge(
     return passed
 
 
-@njit
+@lean
 def _common(start: float, stop: float, low: float, high: float) -> float:
     """Return how much the interval between `start` and `stop`, in whichever order, has in common with [low, high]."""
     return max(min(max(start, stop), high) - max(min(start, stop), low), 0.0)
 
 
-@njit
+@lean
 def _rays(from_u: float, from_v: float, to_u: float, to_v: float, axis: tuple[float, float], n: int) -> tuple[int, int]:
     """Return the first and last ray of the beams that point at a segment along the given axes; both may exceed n."""
     cross = from_u * to_v - from_v * to_u
@@ -209,7 +240,7 @@ def _rays(from_u: float, from_v: float, to_u: float, to_v: float, axis: tuple[fl
     return math.floor(start), math.ceil(end)
 
 
-@njit
+@lean
 def _stretch(seen: Floats, entry: int, value: float) -> None:
     """Widen the interval seen[entry], seen[entry + 1] to a value."""
     seen[entry] = min(seen[entry], value)

@@ -2,7 +2,8 @@ import numpy as np
 import pytest
 
 from regionslam_env.geometry import ray_directions
-from regionslam_env.sensors.sight import SIGHT, look, turn_rays
+from regionslam_env.sensors.sight import SIGHT, look, out_of_view, turn_rays
+from regionslam_env.worlds.world import TRUE_REGION
 from tests import naive
 
 RAYS = 60
@@ -50,6 +51,22 @@ def test_same_as_the_naive_twin():
         elif entering == 0:
             assert seen[4] > seen[5] or seen[5] - seen[4] < 1e-6 or seen[7] - seen[6] < 1e-6
     assert compared > 25
+
+
+def test_what_is_out_of_view_has_no_visible_part():
+    rng = np.random.default_rng(10)
+    left_out = 0
+    for _ in range(200):
+        bounds, ranges, angle = random_case(rng)
+        row, ends = np.zeros(1, TRUE_REGION), np.empty((2, RAYS))
+        row["n"], row["u"][0, :2], row["b"][0, 0], row["t"][0, 0] = 1, bounds[:2], bounds[2], bounds[3]
+        axis = (float(np.cos(angle)), float(np.sin(angle)))
+        box = turn_rays(axis, ray_directions(RAYS), ranges / 2, ends)
+        if out_of_view(row[0], 0.0, 0.0, box):
+            assert naive.rays_into(bounds, turned(ranges / 2, angle)) == 0
+            assert see(bounds, ranges / 2, angle)[4] == np.inf
+            left_out += 1
+    assert 20 < left_out < 180
 
 
 def test_all_of_a_rectangle_in_the_open():
