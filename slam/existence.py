@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from slam.extent import contains, point_in_rectangle
@@ -12,6 +14,9 @@ from slam.view import is_in_view
 
 LEAST_SHARE = 0.6
 """A region counts as in view when this share of its sample points is."""
+
+SAMPLES = 5
+"""Sample points of each rectangle."""
 
 LEAST_ANGLE = 0.2
 """Regions that fill a smaller angle (rad) may well be missed."""
@@ -88,25 +93,39 @@ def is_expected(m: Record, pose: Array, view: Array, p: Record) -> bool:
     """Say whether a sensor at `pose` with this view should have measured the region."""
     c, s = np.cos(pose[2]), np.sin(pose[2])
     seen, total, margin = 0, 0, VIEW_MARGIN * p.tolerance
-    first, least, most = 0.0, 0.0, 0.0
     for i in range(m.n):
-        for k in range(5):
-            along = 0.5 if k == 0 else 0.2 + 0.6 * (k % 2)
-            across = 0.5 if k == 0 else 0.2 + 0.6 * (k // 3)
-            x, y = point_in_rectangle(m, i, along, across)
-            dx, dy = x - pose[0], y - pose[1]
+        for k in range(SAMPLES):
+            dx, dy = sample(m, i, k, pose)
             if dx * dx + dy * dy > (0.8 * p.sensor_range) ** 2:
                 return False
-            x, y = c * dx + s * dy, -s * dx + c * dy
             total += 1
-            if is_in_view(view, x, y, margin):
+            if is_in_view(view, c * dx + s * dy, -s * dx + c * dy, margin):
                 seen += 1
-            elif total - seen > (1 - LEAST_SHARE) * 5 * m.n:
+            elif total - seen > (1 - LEAST_SHARE) * SAMPLES * m.n:
                 return False
-            angle = np.arctan2(y, x)
-            if total == 1:
+    return seen >= LEAST_SHARE * total and angle_filled(m, pose, c, s) > LEAST_ANGLE
+
+
+@lean
+def angle_filled(m: Record, pose: Array, c: float, s: float) -> float:
+    """Return the angle (rad) that the sample points of a region fill, seen from a pose of heading (c, s)."""
+    first, least, most = 0.0, 0.0, 0.0
+    for i in range(m.n):
+        for k in range(SAMPLES):
+            dx, dy = sample(m, i, k, pose)
+            angle = np.arctan2(-s * dx + c * dy, c * dx + s * dy)
+            if i == 0 and k == 0:
                 first = angle
             # From the first point, so that a small region behind the robot doesn't span a full turn.
             angle = (angle - first + np.pi) % (2 * np.pi) - np.pi
             least, most = min(least, angle), max(most, angle)
-    return seen >= LEAST_SHARE * total and most - least > LEAST_ANGLE
+    return most - least
+
+
+@lean
+def sample(m: Record, i: int, k: int, pose: Array) -> Any:
+    """Return the way from a pose to sample point k of rectangle i, its centre or one near a corner, map frame."""
+    along = 0.5 if k == 0 else 0.2 + 0.6 * (k % 2)
+    across = 0.5 if k == 0 else 0.2 + 0.6 * (k // 3)
+    x, y = point_in_rectangle(m, i, along, across)
+    return x - pose[0], y - pose[1]
