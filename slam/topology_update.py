@@ -123,11 +123,8 @@ def update_topology(
     """
     n = associations.shape[1]
     measured_as = maps.marks
-    known, places, news = np.zeros((n, 2), np.bool_), np.zeros((n, 2)), np.zeros(n, np.bool_)
-    for z in range(n):
-        for other in range(n):
-            news[z] |= begins_link(relations[z, other, ADJACENT], ADJACENT)
-            news[z] |= begins_link(relations[z, other, INSIDE], INSIDE)
+    known, places = np.zeros((n, 2), np.bool_), np.zeros((n, 2))
+    news, ends = beginnings(relations)
     for i in range(len(associations)):
         pose = particles[i].pose
         c, s = np.cos(pose[2]), np.sin(pose[2])
@@ -135,24 +132,38 @@ def update_topology(
             if associations[i, z].slot >= 0:
                 measured_as[associations[i, z].slot] = z
         for z in range(n):
-            slot = associations[i, z].slot
-            if slot >= 0 and (news[z] or region_of(maps, i, slot).first_link >= 0):
+            slot, first = associations[i, z].slot, ends[z - 1] if z > 0 else 0
+            if slot >= 0 and (ends[z] > first or region_of(maps, i, slot).first_link >= 0):
                 m = own(maps, i, slot)
                 known[:] = False
                 locate(relations[z], pose[0], pose[1], c, s, places)
                 drop_stale_links(maps, i, m)
                 revise(maps, i, m, relations[z], places, measured_as, known, p, priors)
-                for other in range(n if news[z] else 0):
+                for k in range(first, ends[z]):
+                    other, kind = news[k, 0], news[k, 1]
                     target = associations[i, other].slot
-                    if target >= 0 and target != slot:
-                        for kind in range(2):
-                            value = relations[z, other, kind]
-                            if not known[other, kind] and begins_link(value, kind):
-                                second_type = maps.pool[maps.table[i, target]].type
-                                remember(maps, m, target, second_type, kind, value, places[other], priors)
+                    if target >= 0 and target != slot and not known[other, kind]:
+                        second_type = maps.pool[maps.table[i, target]].type
+                        value = relations[z, other, kind]
+                        remember(maps, m, target, second_type, kind, value, places[other], priors)
         for z in range(n):
             if associations[i, z].slot >= 0:
                 measured_as[associations[i, z].slot] = -1
+
+
+@njit
+def beginnings(relations: Array) -> Any:
+    """Return what can begin links: other measurement and kind, (k, 2), and (M,) where those of each measurement end."""
+    n, count = len(relations), 0
+    news, ends = np.empty((2 * n * n, 2), np.int64), np.empty(n, np.int64)
+    for z in range(n):
+        for other in range(n):
+            for kind in range(2):
+                if begins_link(relations[z, other, kind], kind):
+                    news[count, 0], news[count, 1] = other, kind
+                    count += 1
+        ends[z] = count
+    return news, ends
 
 
 @lean
