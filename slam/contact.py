@@ -57,9 +57,10 @@ def clip(b: Record, j: int, reach: float, u: float, v: float, du: float, dv: flo
             start, step, low, high = u, du, b.state[u_index(j)] - reach, b.state[u_index(j + 1)] + reach
         else:
             start, step, low, high = v, dv, b.state[k] - reach, b.state[k + 1] + reach
-        if abs(step) < 1e-12:
-            if start < low or start > high:
-                return 0.0, 0.0
+        end = start + step
+        if max(start, end) < low or min(start, end) > high:
+            return 0.0, 0.0
+        if (low <= min(start, end) and max(start, end) <= high) or abs(step) < 1e-12:
             continue
         at_low, at_high = (low - start) / step, (high - start) / step
         first, last = max(first, min(at_low, at_high)), min(last, max(at_low, at_high))
