@@ -3,7 +3,7 @@ import math
 import numpy as np
 import pytest
 
-from regionslam_env.geometry import NearbyIndex, cast, ray_angles, ray_directions, segment_boxes
+from regionslam_env.geometry import NearbyIndex, cast, ray_angles, ray_directions, ray_span, segment_boxes
 from tests import naive
 
 
@@ -55,6 +55,25 @@ def test_a_wall_seen_end_on_is_a_point():
     ranges = ranges_from((0, 0, 0), [(2, 0, 5, 0)])
     assert ranges[90] == pytest.approx(2)
     assert np.count_nonzero(ranges < 10) == 1
+
+
+@pytest.mark.parametrize("n", [7, 60, 360, 3600])
+def test_an_angle_lies_between_the_same_rays_as_by_arctangents(n):
+    rng = np.random.default_rng(n)
+    x0, y0, x1, y1 = rng.uniform(-5, 5, (4, 3000))
+    on_a_ray = rng.integers(n, size=600)
+    x0[:600], y0[:600] = 3 * ray_directions(n)[:, on_a_ray]
+    x1[300:900], y1[300:900] = 2 * ray_directions(n)[:, rng.integers(n, size=600)]
+    x0[900:950] = y0[950:1000] = x1[1000:1050] = 0.0
+    for x, y, cross, dot in zip(x0, y0, abs(x0 * y1 - y0 * x1), x0 * x1 + y0 * y1, strict=True):
+        start, end = ray_span(float(x), float(y), float(cross), float(dot), n)
+        first = (math.atan2(y, x) + math.pi) * n / (2 * math.pi)
+        last = first + math.atan2(cross, dot) * n / (2 * math.pi)
+        assert (start, end) == pytest.approx((first, last), abs=3e-5 * n / (2 * math.pi))
+        for ours, theirs in ((start, first), (end, last)):
+            near_a_ray = abs(theirs - round(theirs)) < 1e-6 * n / (2 * math.pi)
+            assert math.floor(ours) == math.floor(theirs) or abs(ours - theirs) < 1e-9 * n
+            assert not near_a_ray or abs(ours - theirs) < 1e-9 * n
 
 
 def test_what_lies_beyond_the_range_is_not_seen():

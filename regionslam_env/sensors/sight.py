@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from regionslam_env.geometry import ray_span
 from slam.jit import lean
 
 Floats = NDArray[np.float64]
@@ -233,10 +234,8 @@ def _rays(from_u: float, from_v: float, to_u: float, to_v: float, axis: tuple[fl
     cross = from_u * to_v - from_v * to_u
     if cross < 0:
         from_u, from_v, to_u, to_v, cross = to_u, to_v, from_u, from_v, -cross
-    per_radian = n / (2 * math.pi)
     x, y = axis[0] * from_u - axis[1] * from_v, axis[1] * from_u + axis[0] * from_v
-    start = (math.atan2(y, x) + math.pi) * per_radian
-    end = start + math.atan2(cross, from_u * to_u + from_v * to_v) * per_radian
+    start, end = ray_span(x, y, cross, from_u * to_u + from_v * to_v, n)
     return math.floor(start), math.ceil(end)
 
 
