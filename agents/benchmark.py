@@ -23,10 +23,10 @@ QUIET = 1.15
 
 PARTS = {
     "physics": ("simulation", "step"),
-    "lidar": ("_lidar", "measure"),
-    "region sensor": ("_region_sensor", "measure"),
-    "filter": ("_localizer", "step"),
-    "observation": ("_observer", "observe"),
+    "lidar": ("lidar", "measure"),
+    "region sensor": ("region_sensor", "measure"),
+    "filter": ("localizer", "step"),
+    "observation": ("observer", "observe"),
 }
 """Parts of a step: which method of which attribute of the environment."""
 

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from slam.belief import Belief
 from slam.config import SlamConfig
-from slam.fastslam import RegionSLAM
+from slam.fastslam import DOUBT, RegionSLAM
+from slam.lost import LOST
 from slam.measurement import Scan
 from slam.motion import Odometry
 from slam.particles import ParticleSet
@@ -59,6 +60,13 @@ class Localizer:
     def forget_belief(self) -> None:
         """Say that the filter has gone on by other means than `step`: the belief is that of its particles now."""
         self._belief = None
+
+    def notice_loss(self) -> bool:
+        """Let the filter look for itself on its map if the last scan, taken by a kernel, has shown that it is lost."""
+        lost = bool(self._filter.progress[DOUBT] > LOST)
+        if lost:
+            self._belief = self._filter.relocalise()
+        return lost
 
     def carry(self) -> None:
         """Keep the map, but take the pose as unknown: the robot has been put elsewhere.

@@ -36,6 +36,8 @@ from regionslam_env.config import (
     noise_set,
 )
 from regionslam_env.errors import ConfigError, unknown
+from regionslam_env.fused.copies import Copies, can_be_fused
+from regionslam_env.fused.kernels import OBSERVED
 from regionslam_env.missions.mission import Mission, goal_of
 from regionslam_env.observations import Observation, Observer, observed_types
 from regionslam_env.sensors.lidar import Lidar
@@ -56,6 +58,7 @@ from regionslam_env.worlds.world import World
 from slam.belief import Belief
 from slam.config import SlamConfig
 from slam.evaluation.map_quality import map_quality
+from slam.measurement import Scan
 from slam.motion import Odometry
 
 if TYPE_CHECKING:
@@ -64,6 +67,9 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 Info = dict[str, Any]
+
+FIRST = np.zeros(1, np.int64)
+"""The one among the copies of an environment that is alone."""
 
 MOST_SLOTS, MOST_PARTICLES = 10_000, 100_000
 """Rows for regions, and particles: more would not fit into memory."""
@@ -202,19 +208,21 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         self.semantic_types = observed_types(semantic_types)
         self.reveal_truth, self.render_mode = yes_or_no("reveal_truth", reveal_truth), render_mode
 
-        self._localizer = Localizer(self.localization, self._slam_config(n_particles))
+        self.localizer = Localizer(self.localization, self._slam_config(n_particles))
         settings = TaskSettings(self.semantic_types, self.robot.step, self.arrival == "declare")
         task_in = partial(_task_in, self.task_type, self.robot.radius, settings, task_arguments)
         mission = None if wanted is None else self.task_type.read(wanted, self.semantic_types)
         self._missions = MissionSource(WorldSource(world, world_options, self._split), task_in, mission)
         self._enter(self._missions.task)
-        self._observer = Observer(
+        self.observer = Observer(
             self.semantic_types, n_slots, self.robot, self.sensors.n_lidar_rays, self.sensors.lidar_range
         )
-        self.observation_space: spaces.Dict = self._observer.space  # type: ignore[assignment]
+        self.observation_space: spaces.Dict = self.observer.space  # type: ignore[assignment]
         self.action_space: spaces.Box = action_space(self.arrival)  # type: ignore[assignment]
         self._n_actions = len(self.action_space.low)
         self._running = False
+        self.fusible = can_be_fused(self)
+        self._fused: Copies | None = None
         self._renderer: Renderer | TextRenderer | None = None
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Observation, Info]:
@@ -256,22 +264,24 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         if self.movers is not None:
             self.movers.begin(movers_rng, self.mission.start, chosen.keep_map)
         self.simulation.reset(*self.mission.start)
-        self._odometry_sensor.reset(odometry_rng)
-        self._lidar.reset(lidar_rng)
-        self._region_sensor.reset(region_rng, keep_sightings=chosen.keep_map)
-        self._episode = Episode(self.mission, self._origin)
+        self.odometry_sensor.reset(odometry_rng)
+        self.lidar.reset(lidar_rng)
+        self.region_sensor.reset(region_rng, keep_sightings=chosen.keep_map)
+        self.episode = Episode(self.mission, self._origin)
         self._running = True
         self._true_path: list[Floats] = []
         self._path: list[Floats] = []
         self._renderer = None
         standing, pose = Odometry(0.0), self.simulation.pose
-        self._perceive(standing, pose, self._episode.in_map(pose))
-        observation = self._observe(standing, False)
+        self._perceive(standing, pose, self.episode.in_map(pose))
+        observation = self.observe(standing, False)
+        if self._fused is not None:
+            self._fused.load(0)
         info: Info = {"mission": self.mission_text}
         if number is not None:
             info["world_seed"] = number
         if self.reveal_truth:
-            info["truth"] = self._truth()
+            info["truth"] = self.truth()
         return observation, info
 
     def _begin(
@@ -288,8 +298,8 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         if self._missions.task is not self.task:
             self._enter(self._missions.task)
         self._origin = self.mission.start
-        self._localizer.reset(filter_rng)
-        self._observer.reset()
+        self.localizer.reset(filter_rng)
+        self.observer.reset()
         return number
 
     def _go_on(self, mission_rng: np.random.Generator, chosen: ResetOptions) -> int | None:
@@ -314,7 +324,7 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             chosen.world_seed,
         )
         if chosen.start is not None:
-            self._localizer.carry()
+            self.localizer.carry()
         return number
 
     def _wanted(self, chosen: ResetOptions) -> Mission | None:
@@ -325,7 +335,7 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     def _aim(self) -> None:
         """Let observations tell what is to be done now."""
         self._completed, self._instruction = self.task.completed, self.task.instruction
-        self._observer.aim(self._instruction)
+        self.observer.aim(self._instruction)
 
     def _enter(self, task: Task) -> None:
         """Put robot and sensors into a task's world."""
@@ -336,9 +346,9 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         else:
             self.simulation, arrays = DynamicSimulation(self.movers, self.robot), self.movers.fixed
         idle = np.random.default_rng(0)
-        self._odometry_sensor = OdometrySensor(self.noise, idle)
-        self._lidar = Lidar(self.sensors, self.noise, arrays, idle, self.movers)
-        self._region_sensor = RegionSensor(self.sensors, self.noise, arrays, idle, self.movers)
+        self.odometry_sensor = OdometrySensor(self.noise, idle)
+        self.lidar = Lidar(self.sensors, self.noise, arrays, idle, self.movers)
+        self.region_sensor = RegionSensor(self.sensors, self.noise, arrays, idle, self.movers)
 
     def step(self, action: ArrayLike) -> tuple[Observation, float, bool, bool, Info]:
         """Drive for one step, measure, update the belief, and judge what happened.
@@ -352,21 +362,55 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         """
         if not self._running:
             raise ResetNeeded("there is no running episode: call env.reset() first")
-        episode = self._episode
         forward, turn, declared = read_action(action, self._n_actions)
+        speed, turn_rate = forward * self.robot.max_speed, turn * self.robot.max_turn_rate
+        if self.fusible and not self.localizer.filter.lost:
+            return self._step_fused(speed, turn_rate, declared)
         before = self.simulation.pose
-        self.simulation.step(forward * self.robot.max_speed, turn * self.robot.max_turn_rate)
+        self.simulation.step(speed, turn_rate)
         pose, collided = self.simulation.pose, self.simulation.collided
-        odometry = self._odometry_sensor.measure(before, pose)
-        true_pose = episode.in_map(pose)
-        belief = self._perceive(odometry, pose, true_pose)
-        episode.add(odometry, collided, true_pose, belief.pose_mean, belief.pose_cov)
-        reward, terminated, truncated, info = self._judge(pose, collided, declared)
-        return self._observe(odometry, declared), reward, terminated, truncated, info
+        odometry = self.odometry_sensor.measure(before, pose)
+        true_pose = self.episode.in_map(pose)
+        self._perceive(odometry, pose, true_pose)
+        self.note(odometry, true_pose)
+        reward, terminated, truncated, info = self.judge(pose, collided, declared)
+        observation = self.observe(odometry, declared)
+        if self._fused is not None:
+            self._fused.load(0)
+        return observation, reward, terminated, truncated, info
 
-    def _judge(self, pose: Floats, collided: bool, declared: bool) -> tuple[float, bool, bool, Info]:
+    def _step_fused(
+        self, speed: float, turn_rate: float, declared: bool
+    ) -> tuple[Observation, float, bool, bool, Info]:
+        """Do the same in one compiled call, for all that it knows."""
+        if self._fused is None:
+            self._fused = Copies([self])
+        fused = self._fused
+        fused.step(FIRST, np.array(((speed, turn_rate),)), np.array((declared,)))
+        if fused.stage[0] == OBSERVED:
+            verdict = self.quiet_verdict(fused.progress[0], fused.collided[0])
+        else:
+            verdict = fused.settle(0)
+        if self.render_mode == "rgb_array":
+            self._remember(self.simulation.pose, self.belief)
+        return (fused.observation(0), *verdict)
+
+    def quiet_verdict(self, progress: float, collided: bool) -> tuple[float, bool, bool, Info]:
+        """Return the verdict of a step that ends nothing: progress (m), and whether something held the robot back."""
+        terms = self.task.quiet_terms(float(progress), bool(collided))
+        info: Info = {"reward_terms": terms}
+        if self.reveal_truth:
+            info["truth"] = self.truth()
+        return sum(terms.values()), False, False, info
+
+    def note(self, odometry: Odometry, true_pose: Floats) -> None:
+        """Write a step into the book of the episode; the true pose is in the map frame."""
+        belief = self.belief
+        self.episode.add(odometry, self.simulation.collided, true_pose, belief.pose_mean, belief.pose_cov)
+
+    def judge(self, pose: Floats, collided: bool, declared: bool) -> tuple[float, bool, bool, Info]:
         """Judge a step that ends at a true pose: reward, terminated, truncated and info."""
-        last = self._episode.steps >= self.max_steps
+        last = self.episode.steps >= self.max_steps
         moment = Moment(pose, collided, declared, lambda: self.belief, self._origin, last)
         terms, success, terminated = self.task.verdict(moment)
         if self.task.completed != self._completed:
@@ -374,7 +418,7 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         truncated = last and not terminated
         info: Info = {"reward_terms": terms}
         if self.reveal_truth:
-            info["truth"] = self._truth()
+            info["truth"] = self.truth()
         if terminated or truncated:
             self._running = False
             info |= self._metrics(success, terminated, declared)
@@ -382,18 +426,23 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
     def _perceive(self, odometry: Odometry, pose: Floats, true_pose: Floats) -> Belief:
         """Measure from a true pose (world frame; `true_pose` in the map frame) and return the updated belief."""
-        self.ranges = self._lidar.measure(pose)
-        self.scan = self._region_sensor.measure(pose)
-        belief = self._localizer.step(odometry, self.scan, true_pose)
+        self.lidar.measure(pose)
+        self._scan = self.region_sensor.measure(pose)
+        belief = self.localizer.step(odometry, self._scan, true_pose)
         if self.render_mode == "rgb_array":
-            self._true_path.append(pose)
-            self._path.append(belief.pose_mean)
+            self._remember(pose, belief)
         return belief
 
-    def _observe(self, odometry: Odometry, declared: bool) -> Observation:
-        elapsed = self._episode.steps / self.max_steps
-        return self._observer.observe(
-            self._localizer.belief, odometry, self.ranges, elapsed, self.task.completed, declared
+    def _remember(self, pose: Floats, belief: Belief) -> None:
+        """Keep the true and the believed pose for the pictures."""
+        self._true_path.append(pose)
+        self._path.append(belief.pose_mean)
+
+    def observe(self, odometry: Odometry, declared: bool) -> Observation:
+        """Return the observation of this moment."""
+        elapsed = self.episode.steps / self.max_steps
+        return self.observer.observe(
+            self.localizer.belief, odometry, self.lidar.ranges, elapsed, self.task.completed, declared
         )
 
     def render(self) -> Any:
@@ -411,12 +460,22 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     @property
     def belief(self) -> Belief:
         """What the robot believes after the last step."""
-        return self._localizer.belief
+        return self.localizer.belief
+
+    @property
+    def ranges(self) -> Floats:
+        """Distances along the rays of the lidar after the last step, m, a copy."""
+        return self.lidar.ranges.copy()
+
+    @property
+    def scan(self) -> Scan:
+        """Regions measured in the last step, in the robot's frame."""
+        return self.region_sensor.scan if self.region_sensor.is_exact else self._scan
 
     @property
     def slot_ids(self) -> NDArray[np.int64]:
         """Ids of the regions in the rows of the last observation, -1 where there never was one, shape (S,)."""
-        return self._observer.slot_ids
+        return self.observer.slot_ids
 
     @property
     def true_pose(self) -> Floats:
@@ -449,8 +508,8 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         return self.mission.mission.now(self.task.completed)
 
     def __getstate__(self) -> dict[str, Any]:
-        """Pickle everything but the pictures, so that an episode continues identically elsewhere."""
-        return self.__dict__ | {"_renderer": None}
+        """Pickle everything but pictures and addresses, so that an episode continues identically elsewhere."""
+        return self.__dict__ | {"_renderer": None, "_fused": None}
 
     def _generators(self) -> list[np.random.Generator]:
         """Return the episode's own generators: of mission, every sensor, filter, world, and what moves.
@@ -471,17 +530,17 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             sensor_range=self.sensors.range,
         )
 
-    def _truth(self) -> Info:
+    def truth(self) -> Info:
         """Return what no agent may see: true poses (world frame and map frame), distance to the goal (m) or None."""
         pose = self.simulation.pose
         moving = {} if self.movers is None else self.movers.truth
-        pose_in_map = self._episode.in_map(pose)
+        pose_in_map = self.episode.in_map(pose)
         return {"pose": pose, "pose_in_map": pose_in_map, "distance_to_goal": self.task.remaining, **moving}
 
     def _metrics(self, success: bool, over: bool, declared: bool) -> Info:
         """Return the metrics of the episode that ends here."""
         # What was in view less often than a region needs to be confirmed, the map cannot be asked for.
-        seen = self._region_sensor.sightings >= self.belief.confirmed_after
+        seen = self.region_sensor.sightings >= self.belief.confirmed_after
         quality = map_quality(
             self.belief.map.regions,
             self.world.regions if self.movers is None else self.movers.true_regions,
@@ -490,7 +549,7 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             self._origin,
         )
         figures = {name: getattr(quality, name.removeprefix("region_")) for name in MAP_METRICS}
-        return self._episode.metrics(
+        return self.episode.metrics(
             success,
             over,
             declared if self.arrival == "declare" else None,
@@ -537,7 +596,7 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             now=self.instruction_text,
             goal=self.goal,
             caption=belief.map.describe(belief.pose_mean),
-            seconds=self._episode.steps * self.robot.step,
+            seconds=self.episode.steps * self.robot.step,
             driven=self.simulation.path_length,
             scene=self.scene,
         )

@@ -195,6 +195,22 @@ class Observer:
         self._type_columns = np.zeros(0, np.int64)
 
     @property
+    def limits(self) -> NDArray[np.float64]:
+        """What `write_senses` clips to."""
+        return self._limits
+
+    @property
+    def aimed(self) -> tuple[int, int]:
+        """Column of the type to go to, -1 for none, and column of `progress` that tells the kind of instruction."""
+        return self._goal, self._kind
+
+    def slots(self, types: Sequence[str]) -> tuple[NDArray[np.int64], ...]:
+        """Return ids and places of the rows' regions, and the columns of the filter's types: what kernels share."""
+        if len(types) != len(self._type_columns):
+            self._learn_types(types)
+        return self._ids, self._places, self._type_columns
+
+    @property
     def slot_ids(self) -> NDArray[np.int64]:
         """Id of the region in each slot, -1 for none (a copy)."""
         return self._ids.copy()
@@ -223,8 +239,7 @@ class Observer:
         declared
             Whether the last action declared so.
         """
-        if len(belief.types) != len(self._type_columns):
-            self._learn_types(belief.types)
+        ids, places, columns = self.slots(belief.types)
         size = self._sizes
         regions, links = np.zeros(self._regions_shape, np.float32), np.zeros(self._links_shape, np.float32)
         observation: Observation = {
@@ -263,13 +278,13 @@ class Observer:
             observation["regions_mask"],
             links,
             observation["links_mask"],
-            self._ids,
-            self._places,
+            ids,
+            places,
             belief.pose,
             belief.heaviest,
             belief.particles,
             tuple(belief.maps),
-            self._type_columns,
+            columns,
             len(self.types),
             self._goal,
             belief.confirmed_after,

@@ -33,6 +33,9 @@ from slam.weights import normalise
 
 NO_VIEW = np.zeros((0, 2))
 
+SCANS, DOUBT = range(2)
+"""Places in `RegionSLAM.progress`."""
+
 STORED = {name: array.dtype for name, array in ParticleSet.at(np.zeros(3), 1).to_arrays().items()}
 """Arrays of a stored filter."""
 
@@ -46,6 +49,12 @@ class RegionSLAM:
         Settings; the defaults are those of the paper's experiment.
     seed
         Anything `numpy.random.default_rng` takes. The same seed and the same inputs give the same beliefs.
+
+    Attributes
+    ----------
+    progress
+        How many scans the filter has taken, and how much they contradict its map (`slam.lost`), by the places `SCANS`
+        and `DOUBT`. A kernel that takes scans through the arrays of the posterior writes here, too.
 
     Examples
     --------
@@ -73,8 +82,7 @@ class RegionSLAM:
         self._types = list(self.config.named_types)
         self._type_index = {name: i for i, name in enumerate(self._types)}
         self._known_types: dict[tuple[str, ...], NDArray[np.int64]] = {}
-        self._scan_number = 0
-        self._doubt = 0.0
+        self.progress = np.zeros(2)
         self._search: Search | None = None
         return self.belief
 
@@ -96,7 +104,7 @@ class RegionSLAM:
         numbers = self.type_numbers(other._types)
         if len(numbers) > 0:
             cloud.maps.pool["type"] = numbers[cloud.maps.pool["type"]]
-        self._scan_number = other._scan_number
+        self.progress[SCANS] = other.progress[SCANS]
         return self.belief
 
     def step(self, odometry: Odometry, scan: Scan, pose: ArrayLike | None = None) -> Belief:
@@ -144,7 +152,7 @@ class RegionSLAM:
 
     def _look_around(self, posterior: SampledPosterior, search: Search, scan: Scan) -> Belief:
         """Weigh where the robot may be; go on from there once that is clear."""
-        self._scan_number += 1
+        self.progress[SCANS] += 1
         measured = np.zeros((len(scan), 4), REGION)
         observe(scan.records, self.type_numbers(scan.types), measured)
         measured["level"] = scan.level
@@ -152,34 +160,17 @@ class RegionSLAM:
         found = search.found
         if found is not None:
             posterior.restart(found)
-            self._doubt, self._search = 0.0, None
+            self.progress[DOUBT], self._search = 0.0, None
         return self.belief
 
     def _update(self, scan: Scan, watchful: bool) -> Belief:
         posterior = self._posterior
         posterior.resample()  # of the last scan: until now the belief was that of its weighted particles
-        self._scan_number += 1
-        doubt = posterior.update(scan, self.type_numbers(scan.types), _view_of(scan), self._scan_number, watchful)
-        self._doubt = max(self._doubt + doubt, 0.0)
-        return self.relocalise() if self._doubt > LOST else self.belief
-
-    def progress(self) -> tuple[int, float]:
-        """Return how many scans the filter has taken, and how much they contradicted its map (`slam.lost`)."""
-        return self._scan_number, self._doubt
-
-    def resume(self, scan_number: int, doubt: float, ess: float) -> None:
-        """Go on after a kernel has taken scans through the posterior's arrays, as `SampledPosterior.update` does.
-
-        Parameters
-        ----------
-        scan_number, doubt
-            As in `progress`; beyond `slam.lost.LOST` the filter is lost now.
-        ess
-            Effective sample size.
-        """
-        self._scan_number, self._doubt, self._posterior.ess = scan_number, doubt, ess
-        if doubt > LOST:
-            self.relocalise()
+        progress = self.progress
+        progress[SCANS] += 1
+        doubt = posterior.update(scan, self.type_numbers(scan.types), _view_of(scan), int(progress[SCANS]), watchful)
+        progress[DOUBT] = max(progress[DOUBT] + doubt, 0.0)
+        return self.relocalise() if progress[DOUBT] > LOST else self.belief
 
     @property
     def lost(self) -> bool:
@@ -228,9 +219,9 @@ class RegionSLAM:
             "config": settings_to_plain(self.config),
             "generator": generator_to_plain(self._rng),
             "types": self._types,
-            "scan_number": self._scan_number,
+            "scan_number": int(self.progress[SCANS]),
             "ess": self._posterior.ess,
-            "doubt": self._doubt,
+            "doubt": float(self.progress[DOUBT]),
             "lost": self._search is not None,
         }
         search = {} if self._search is None else self._search.to_arrays()
@@ -255,7 +246,7 @@ class RegionSLAM:
         loaded._posterior.ess = about["ess"]
         loaded._types = about["types"]
         loaded._type_index = {name: index for index, name in enumerate(loaded._types)}
-        loaded._scan_number, loaded._doubt = about["scan_number"], about["doubt"]
+        loaded.progress[:] = about["scan_number"], about["doubt"]
         if about["lost"]:
             loaded._search = Search.from_arrays(arrays, loaded.config.parameters())
         return loaded

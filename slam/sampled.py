@@ -33,16 +33,25 @@ class SampledPosterior:
 
     Attributes
     ----------
-    ess
-        Effective sample size.
+    sample_size
+        The effective one, shape (1,): kernels write it, too.
     """
 
     def __init__(self, cloud: ParticleSet, config: SlamConfig, rng: np.random.Generator) -> None:
         self.cloud, self._rng = cloud, rng
-        self.ess = float(len(cloud.particles))
+        self.sample_size = np.array([float(len(cloud.particles))])
         self._resample_below, self._scheme = config.resample_below, SCHEMES.index(config.resampling)
         self._parameters = tuple(config.parameters())  # Numba unpacks a plain tuple five times faster
         self._priors = tuple(config.priors())
+
+    @property
+    def ess(self) -> float:
+        """Effective sample size."""
+        return float(self.sample_size[0])
+
+    @ess.setter
+    def ess(self, ess: float) -> None:
+        self.sample_size[0] = ess
 
     @classmethod
     def at(cls, pose: Floats, config: SlamConfig, rng: np.random.Generator) -> SampledPosterior:

@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from regionslam_env.config import NoiseConfig, SensorConfig
 from regionslam_env.geometry import NearbyIndex, cast, ray_angles, ray_directions, segment_boxes
+from regionslam_env.sensors.normals import Normals
 from regionslam_env.simulation.movers import Movers
 from regionslam_env.worlds.world import WorldArrays
 from slam.jit import lean
 
 Floats = NDArray[np.float64]
+
+_SCANS = 32  # of which normal numbers are drawn at a time
 
 
 class Lidar:
@@ -36,6 +40,10 @@ class Lidar:
     ----------
     angles
         Of the rays in the robot's frame, ascending from -pi (straight back), rad.
+    ranges
+        Distance along every ray in the last measurement, shape (n,), m.
+    normals
+        The noise to come.
     """
 
     def __init__(
@@ -46,9 +54,11 @@ class Lidar:
         rng: np.random.Generator,
         movers: Movers | None = None,
     ) -> None:
-        self._range, self._sigma, self._rng = config.lidar_range, noise.lidar_sigma, rng
+        self._range, self._sigma = config.lidar_range, noise.lidar_sigma
         self.angles = ray_angles(config.n_lidar_rays)
-        self._normals = np.zeros(config.n_lidar_rays)
+        self.ranges = np.zeros(config.n_lidar_rays)
+        self.normals = Normals(_SCANS * config.n_lidar_rays)
+        self.normals.begin(rng)
         self._directions = ray_directions(config.n_lidar_rays)
         self._segments, self._nearby = _fixed_segments(arrays, self._range)
         self._movers, self._fixed = movers, len(self._segments)
@@ -57,14 +67,12 @@ class Lidar:
 
     def reset(self, rng: np.random.Generator) -> None:
         """Start a new episode with a generator of its own."""
-        self._rng = rng
+        self.normals.begin(rng)
 
     def measure(self, pose: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the distance along every ray from a pose, shape (n,), m: the range where there is nothing."""
         x, y, theta = pose.tolist()
-        ranges = np.empty(len(self.angles))
-        if self._sigma > 0:
-            self._rng.standard_normal(out=self._normals)
+        normals = self.normals.take(len(self.angles))
         scan_ranges(
             x,
             y,
@@ -73,11 +81,21 @@ class Lidar:
             self._directions,
             self._segments,
             self._near(x, y),
-            self._normals,
+            normals,
             self._sigma,
-            ranges,
+            self.ranges,
         )
-        return ranges
+        return self.ranges.copy()
+
+    @property
+    def settings(self) -> tuple[float, float, Floats]:
+        """Range (m), standard deviation (m) and directions of the rays, as kernels take them."""
+        return self._range, self._sigma, self._directions
+
+    @property
+    def surroundings(self) -> tuple[NDArray[Any], ...]:
+        """Segments of the world, and the lists of those that are near, as kernels take them."""
+        return (self._segments, *self._nearby.cells)
 
     def _near(self, x: float, y: float) -> NDArray[np.int64]:
         """Return the indices of the segments that may be within reach, after a look at what has moved."""

@@ -9,10 +9,16 @@ from numpy.typing import NDArray
 
 from regionslam_env.config import NoiseConfig
 from regionslam_env.exact import hypot, principal
+from regionslam_env.sensors.normals import Normals
 from slam.jit import njit
 from slam.motion import Odometry
 
 Floats = NDArray[np.float64]
+
+DRAWS = 2
+"""Normal numbers for one motion."""
+
+_BLOCK = 512  # normal numbers drawn at a time
 
 
 class OdometrySensor:
@@ -32,20 +38,23 @@ class OdometrySensor:
     ----------
     variances
         That are simulated: of the distance per metre driven, of the rotation per metre driven and per radian turned.
+    normals
+        The noise to come.
     """
 
     def __init__(self, noise: NoiseConfig, rng: np.random.Generator) -> None:
         told, factor = noise.odometry, noise.odometry_factor
         self.variances = (told.distance * factor, told.heading_per_metre * factor, told.heading_per_radian * factor)
-        self._rng = rng
+        self.normals = Normals(_BLOCK)
+        self.reset(rng)
 
     def reset(self, rng: np.random.Generator) -> None:
         """Start a new episode with a generator of its own."""
-        self._rng = rng
+        self.normals.begin(rng)
 
     def measure(self, before: NDArray[np.float64], after: NDArray[np.float64]) -> Odometry:
         """Return the measured motion from pose `before` to pose `after`, each x (m), y (m), theta (rad), shape (3,)."""
-        return Odometry(*measure_motion(before, after, self._rng.standard_normal(2), self.variances))
+        return Odometry(*measure_motion(before, after, self.normals.take(DRAWS), self.variances))
 
 
 @njit

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from regionslam_env.config import NoiseConfig, SensorConfig
 from regionslam_env.geometry import NearbyIndex, cast, ray_angles, ray_directions, segment_boxes
 from regionslam_env.sensors.distortion import distort
+from regionslam_env.sensors.normals import Normals
 from regionslam_env.sensors.partial_row import DRAWS, cut_row, turn_part, visible_run, write_part
 from regionslam_env.sensors.sight import SIGHT, look, out_of_view, turn_rays
 from regionslam_env.simulation.movers import Movers
@@ -59,6 +60,8 @@ class RegionSensor:
         How often each true region has been in view since the reset, shape (R,); for metrics alone.
     sources
         Where the measurements of the last scan come from, an array of `SOURCE`; for metrics alone.
+    normals
+        The noise to come.
     """
 
     def __init__(
@@ -96,39 +99,43 @@ class RegionSensor:
             neighbours,
             config.link_confidence,
         )
-        self._room = (
-            np.empty(self._n_rays),
-            np.zeros(len(self._rows), SOURCE),
-            np.full(len(self._rows), -1, np.int64),
-        )
-        self._numbers = np.arange(len(self._rows))
-        self._normals = np.zeros(max(_BLOCK, DRAWS * len(self._rows)))
+        size = len(self._rows)
+        self._room = np.empty(self._n_rays), np.zeros(size, SOURCE), np.full(size, -1, np.int64)
+        self._view = np.zeros((self._n_rays, 2))
+        self._records, self._links = np.zeros(size, MEASUREMENT), np.zeros(size * self._most_links, LINK)
+        self._counts = np.zeros(2, np.int64)
+        self._numbers: Ints | None = None
+        self.normals = Normals(max(_BLOCK, DRAWS * size))
         self.reset(rng)
 
     def reset(self, rng: np.random.Generator, keep_sightings: bool = False) -> None:
         """Start a new episode with a generator of its own, and count the sightings anew unless they are kept."""
         self._rng = rng
-        self._drawn = len(self._normals)
+        self.normals.begin(rng)
         if not keep_sightings:
             self.sightings = np.zeros(len(self._rows), np.int64)
-        self._measured = np.zeros(0, np.int64)
+        self._counts[:], self._numbers = 0, None
 
     @property
     def sources(self) -> NDArray[np.void]:
         """Where the measurements of the last scan come from, shape (M,), a copy."""
-        found = self._room[1][self._measured]
-        found["region"][self._measured < 0] = -1
+        numbers = np.arange(self._counts[0]) if self._numbers is None else self._numbers
+        found = self._room[1][numbers]
+        found["region"][numbers < 0] = -1
         return found
+
+    @property
+    def scan(self) -> Scan:
+        """The last scan, before anything is missed or invented; a copy."""
+        count, links = self._counts.tolist()
+        view = self._view.copy() if self._sighted is None else np.concatenate((ROBOT, self._view[self._sighted]))
+        return Scan.from_records(self._records[:count].copy(), self._types, self._links[:links].copy(), view)
 
     def measure(self, pose: NDArray[np.float64]) -> Scan:
         """Return what is seen from a true pose x (m), y (m), theta (rad), shape (3,)."""
         x, y, theta = pose.tolist()
         near_walls, nearby = self._near(x, y)
-        view = np.empty((self._n_rays, 2))
-        records = np.empty(len(nearby), MEASUREMENT)
-        links = np.empty(len(nearby) * self._most_links, LINK)
-        self._draw(len(nearby))
-        count, found = sense(
+        self._counts[:] = sense(
             x,
             y,
             theta,
@@ -136,21 +143,58 @@ class RegionSensor:
             nearby,
             self._given,
             self._room,
-            self._normals[self._drawn :],
+            self.normals.ahead(len(nearby) * DRAWS),
             self.sightings,
-            view,
-            records,
-            links,
+            self._view,
+            self._records,
+            self._links,
         )
-        self._drawn += count * DRAWS
-        self._measured = self._numbers[:count]
-        if self._sighted is not None:
-            view = np.concatenate((ROBOT, view[self._sighted]))
-        scan = Scan.from_records(records[:count], self._types, links[:found], view)
-        noise = self._noise
-        if noise.misclassification or noise.misses or noise.false_positives:
-            scan, self._measured = distort(scan, noise, self._confidence, self._rng)
+        self.normals.used[0] += self._counts[0] * DRAWS
+        scan, noise = self.scan, self._noise
+        if self.is_exact:
+            return scan
+        scan, self._numbers = distort(scan, noise, self._confidence, self._rng)
         return scan
+
+    @property
+    def is_exact(self) -> bool:
+        """Whether every region in view is measured, with its own type, and nothing else."""
+        noise = self._noise
+        return not (noise.misclassification or noise.misses or noise.false_positives)
+
+    @property
+    def sees_all_around(self) -> bool:
+        """Whether the field of view is a full turn."""
+        return self._sighted is None
+
+    @property
+    def measured(self) -> int:
+        """How many regions the last measurement holds."""
+        return int(self._counts[0])
+
+    @property
+    def types(self) -> tuple[str, ...]:
+        """What the type of a measurement indexes."""
+        return self._types
+
+    @property
+    def settings(self) -> tuple[Any, ...]:
+        """What all sensors of this configuration have in common, as kernels take it.
+
+        Directions of the rays and which are open, limits, told noise, gain, confidence of types and of links.
+        """
+        return (*self._given[2:8], self._given[10])
+
+    @property
+    def surroundings(self) -> tuple[NDArray[Any], ...]:
+        """Walls and regions of the world, each with the lists of those that are near, and who is whose neighbour."""
+        near = (*self._near_walls.cells, self._rows, *self._near_rows.cells)
+        return (self._walls, *near, *self._given[8:10])
+
+    @property
+    def room(self) -> tuple[NDArray[Any], ...]:
+        """Scratch, and what a measurement writes: rays, sources, places, sightings, view, records, links, counts."""
+        return (*self._room, self.sightings, self._view, self._records, self._links, self._counts)
 
     def _near(self, x: float, y: float) -> tuple[Ints, Ints]:
         """Return the indices of walls and regions that may be within range, after a look at what has moved."""
@@ -165,12 +209,6 @@ class RegionSensor:
             _frozen(self._rows)
             nearby = np.union1d(nearby, movers.regions)
         return near_walls, nearby
-
-    def _draw(self, measurements: int) -> None:
-        """See to it that there are enough normal numbers for so many measurements."""
-        if self._drawn + measurements * DRAWS > len(self._normals):
-            self._rng.standard_normal(out=self._normals)
-            self._drawn = 0
 
 
 @njit

@@ -133,6 +133,16 @@ class Simulation:
         return self.state[: THETA + 1].copy()
 
     @property
+    def settings(self) -> tuple[tuple[float, ...], float]:
+        """Parts of the `Drive`, and the clearance (m) from which on nothing can be touched, as kernels take them."""
+        return self._drive, self._margin
+
+    @property
+    def arrays(self) -> tuple[NDArray[Any], ...]:
+        """State, velocities, engine, and the grid of clearance with its frame: what a kernel drives with."""
+        return self.state, self._velocities, self._engine, self._grid[3], np.array(self._grid[:3])
+
+    @property
     def collided(self) -> bool:
         """Whether a wall or an obstacle held the robot back during the last step."""
         return bool(self.state[COLLIDED])

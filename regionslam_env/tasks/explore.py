@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -85,6 +86,10 @@ class ExploreTask(Task):
         self._done = gain.success
         terms = explore_reward(self.rewards, gain.recall, gain.edges, gain.success, moment.collided, gain.false_arrival)
         return Verdict(terms, gain.success, gain.success or gain.false_arrival)
+
+    def quiet_terms(self, progress: Any, collided: Any) -> dict[str, Any]:
+        """Return the terms of the reward of steps that bring nothing."""
+        return explore_reward(self.rewards, 0.0, 0.0, False, collided, False)
 
     @property
     def instruction(self) -> Explore:

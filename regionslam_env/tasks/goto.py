@@ -33,11 +33,6 @@ class GoToTask(Task):
     start_distance
         Least geodesic distance of a drawn start from every goal region, m.
 
-    Attributes
-    ----------
-    approach
-        The way to the goal of the running episode.
-
     Raises
     ------
     ConfigError
@@ -92,14 +87,14 @@ class GoToTask(Task):
             (goal,) = mission.types
             goal, pose, shortest = self._towards(rng, goal, start, standing)
         self._instruction = GoTo(goal)
-        self.approach = Approach(self.geodesic, self.geodesic.field_to_type(goal), self.settings)
-        self.approach.begin(shortest)
+        self._approach = Approach(self.geodesic, self.geodesic.field_to_type(goal), self.settings)
+        self._approach.begin(shortest)
         self._done = False
         return DrawnMission(Mission((self._instruction,)), pose, shortest)
 
     def judge(self, x: float, y: float, declared: bool) -> Outcome:
         """Judge a step that ends at this true position (world frame, m)."""
-        return self.approach.step(x, y, declared)
+        return self._approach.step(x, y, declared)
 
     def verdict(self, moment: Moment) -> Verdict:
         """Judge a step by where it ends and what is declared there."""
@@ -108,6 +103,15 @@ class GoToTask(Task):
         self._done = outcome.success
         terms = goto_reward(self.rewards, outcome.progress, outcome.success, moment.collided, outcome.false_arrival)
         return Verdict(terms, outcome.success, outcome.success or outcome.false_arrival)
+
+    def quiet_terms(self, progress: Any, collided: Any) -> dict[str, Any]:
+        """Return the terms of the reward of steps that end nothing."""
+        return goto_reward(self.rewards, progress, False, collided, False)
+
+    @property
+    def approach(self) -> Approach:
+        """The way to the goal of the running episode."""
+        return self._approach
 
     @property
     def instruction(self) -> GoTo:
@@ -126,7 +130,7 @@ class GoToTask(Task):
     @property
     def remaining(self) -> float:
         """Geodesic distance to the goal after the last step, m."""
-        return self.approach.remaining
+        return self._approach.remaining
 
     def _any(self, rng: np.random.Generator, start: Sequence[float] | None, standing: bool) -> tuple[str, Pose, float]:
         """Draw a goal among those that can be reached from somewhere far enough; see `_towards`."""

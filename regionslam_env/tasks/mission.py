@@ -139,6 +139,15 @@ class MissionTask(Task):
         terms = mission_reward(self.rewards, progress, recall, edges, done, success, moment.collided, wrong)
         return Verdict(terms, success, success or wrong)
 
+    def quiet_terms(self, progress: Any, collided: Any) -> dict[str, Any]:
+        """Return the terms of the reward of steps that do no instruction and explore nothing."""
+        return mission_reward(self.rewards, progress, 0.0, 0.0, False, False, collided, False)
+
+    @property
+    def approach(self) -> Approach | None:
+        """The way of the present instruction; None to explore, and once all are done."""
+        return self._approaches[self._done] if self._done < len(self._approaches) else None
+
     @property
     def instruction(self) -> Instruction:
         """What the robot has to do now; the last one when all are done."""

@@ -150,6 +150,11 @@ def reward_set(reward: str | Mapping[str, Any] | R | None, sets: Mapping[str, R]
     return from_dict(type(sets["standard"]), reward, "reward")
 
 
+def _paid(weight: float, happened: Any) -> Any:
+    """Return what something pays that has happened or not, in one step or in many (N,)."""
+    return weight * happened + 0.0  # + 0.0: no negative zero
+
+
 def goto_reward(
     weights: RewardConfig, progress: float, success: bool, collided: bool, false_arrival: bool
 ) -> dict[str, float]:
@@ -166,10 +171,10 @@ def goto_reward(
     """
     return {
         "progress": weights.progress * progress,
-        "success": weights.success if success else 0.0,
+        "success": _paid(weights.success, success),
         "time": weights.time,
-        "collision": weights.collision if collided else 0.0,
-        "false_arrival": weights.false_arrival if false_arrival else 0.0,
+        "collision": _paid(weights.collision, collided),
+        "false_arrival": _paid(weights.false_arrival, false_arrival),
     }
 
 
@@ -190,10 +195,10 @@ def explore_reward(
     return {
         "recall": weights.recall * recall,
         "edges": weights.edges * edges,
-        "success": weights.success if success else 0.0,
+        "success": _paid(weights.success, success),
         "time": weights.time,
-        "collision": weights.collision if collided else 0.0,
-        "false_arrival": weights.false_arrival if false_arrival else 0.0,
+        "collision": _paid(weights.collision, collided),
+        "false_arrival": _paid(weights.false_arrival, false_arrival),
     }
 
 
@@ -226,9 +231,9 @@ def mission_reward(
         "progress": weights.progress * progress,
         "recall": weights.recall * recall,
         "edges": weights.edges * edges,
-        "instruction": weights.instruction if done else 0.0,
-        "success": weights.success if success else 0.0,
+        "instruction": _paid(weights.instruction, done),
+        "success": _paid(weights.success, success),
         "time": weights.time,
-        "collision": weights.collision if collided else 0.0,
-        "false_arrival": weights.false_arrival if false_arrival else 0.0,
+        "collision": _paid(weights.collision, collided),
+        "false_arrival": _paid(weights.false_arrival, false_arrival),
     }

@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar, NamedTuple
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,9 @@ from regionslam_env.tasks.start import Pose
 from regionslam_env.worlds.geodesic import Geodesic
 from regionslam_env.worlds.world import World
 from slam.belief import Belief
+
+if TYPE_CHECKING:
+    from regionslam_env.tasks.approach import Approach
 
 
 @dataclass(frozen=True)
@@ -151,6 +154,23 @@ class Task(ABC):
     @abstractmethod
     def verdict(self, moment: Moment) -> Verdict:
         """Judge a step, and return its reward."""
+
+    @abstractmethod
+    def quiet_terms(self, progress: Any, collided: Any) -> dict[str, Any]:
+        """Return the terms of the reward of a step, or of many, that neither ends nor explores anything.
+
+        Parameters
+        ----------
+        progress
+            Decrease of the way that is left, m; a number or shape (N,).
+        collided
+            Whether something held the robot back; the same.
+        """
+
+    @property
+    def approach(self) -> Approach | None:
+        """The way that the robot has to go now; None where it has no place to be."""
+        return None
 
     @property
     @abstractmethod

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import partial
 from typing import Any
 
@@ -13,10 +14,10 @@ from numpy.typing import ArrayLike, NDArray
 from regionslam_env.actions import read_actions
 from regionslam_env.arguments import whole_number
 from regionslam_env.env import SemanticNavigationEnv
+from regionslam_env.fused.copies import Copies, can_be_fused
+from regionslam_env.fused.kernels import OBSERVED
 from regionslam_env.observations import Observation
-from regionslam_env.vector.copies import Copies, can_step_together
-from regionslam_env.vector.errands import Terms
-from regionslam_env.vector.infos import gather_infos
+from regionslam_env.vector.infos import Terms, gather_infos
 
 Info = dict[str, Any]
 Flags = NDArray[np.bool_]
@@ -55,15 +56,14 @@ class NavigationVectorEnv(SyncVectorEnv):
         make = partial(env_type, **kwargs)
         super().__init__([make] * whole_number("num_envs", num_envs), copy=copy, autoreset_mode=autoreset_mode)
         self._alike = can_step_together(self.envs)
-        self._copies: Any = None  # `Copies`, from the first reset on
+        self._copies: Any = None  # `Copies`, from the first reset on, of what kernels can step
+        self._was_reset = False
 
     def reset(self, *, seed: Any = None, options: dict[str, Any] | None = None) -> tuple[Observation, Info]:
         """Reset all copies, or those of ``options["reset_mask"]``; seeds are as `SyncVectorEnv` takes them."""
-        self._store()
         self._env_obs = [self._row(i) for i in range(self.num_envs)]  # type: ignore[misc]
         result = super().reset(seed=seed, options=options)
-        if self._copies is None:
-            self._copies = Copies(self.envs)
+        self._was_reset = True
         self._load()
         return result
 
@@ -102,7 +102,7 @@ class NavigationVectorEnv(SyncVectorEnv):
 
     def _starting(self) -> Flags:
         """Return which copies begin an episode in this step."""
-        if self._copies is None:
+        if not self._was_reset:
             raise ResetNeeded("there is no running episode: call reset() first")
         if self.autoreset_mode == AutoresetMode.NEXT_STEP:
             return self._autoreset_envs
@@ -115,38 +115,36 @@ class NavigationVectorEnv(SyncVectorEnv):
         """Return which copies the kernels can step."""
         if not self._alike:
             return np.zeros(self.num_envs, np.bool_)
-        lost = np.fromiter((env._localizer.filter.lost for env in self.envs), np.bool_, self.num_envs)
+        lost = np.fromiter((env.localizer.filter.lost for env in self.envs), np.bool_, self.num_envs)
         return ~(starting | lost)
 
     def _step_alone(self, i: int, action: ArrayLike) -> Info:
         """Step one copy as any environment."""
-        self._copies.store(i)
         observation, self._rewards[i], self._terminations[i], self._truncations[i], info = self.envs[i].step(action)
         self._write(i, observation)
         return info
 
-    def _step_together(self, which: NDArray[np.int64], shares: Any, declared: Flags, infos: list[Info]) -> Terms | None:
-        """Step copies by kernels; return the terms of their rewards that were judged together."""
+    def _step_together(self, which: NDArray[np.int64], shares: Any, declared: Flags, infos: list[Info]) -> Terms:
+        """Step copies by kernels; return the terms of their rewards that were judged there."""
         copies, robot = self._copies, self.envs[0].robot
-        copies.step(which, shares * np.array([robot.max_speed, robot.max_turn_rate]))
-        lost = copies.lost(which).tolist()
-        for i in lost:
-            copies.store(i)
-            copies.note(i)
-        judged, rewards, terms = copies.judge(np.setdiff1d(which, lost), declared)
-        self._rewards[judged] = rewards[judged]
-        self._terminations[judged] = self._truncations[judged] = False
-        poses, said = copies.records["pose"], declared.tolist()
-        for i in np.setdiff1d(which, judged).tolist():
-            env = self.envs[i]
-            before = env.task.completed
-            verdict = env._judge(poses[i].copy(), env.simulation.collided, said[i])
-            self._rewards[i], self._terminations[i], self._truncations[i], infos[i] = verdict
-            if verdict[1] or verdict[2] or env.task.completed != before:
-                copies.aim(i)
-        copies.observe(np.setdiff1d(which, lost), declared, self._observations)
-        for i in lost:
-            self._write(i, self.envs[i]._observe(copies.odometry(i), said[i]))
+        copies.step(which, shares * np.array([robot.max_speed, robot.max_turn_rate]), declared)
+        is_quiet = copies.stage[which] == OBSERVED
+        for i in which[~is_quiet].tolist():
+            self._rewards[i], self._terminations[i], self._truncations[i], infos[i] = copies.settle(i)
+        quiet, whose = which[is_quiet], np.zeros(self.num_envs, np.bool_)
+        self._rewards[quiet], self._terminations[quiet], self._truncations[quiet] = 0.0, False, False
+        whose[quiet] = True
+        return whose, self._judge_together(quiet, infos)
+
+    def _judge_together(self, which: NDArray[np.int64], infos: list[Info]) -> dict[str, NDArray[np.float64]]:
+        """Write the rewards of steps that end nothing; return their terms, each of shape (N,)."""
+        copies, terms = self._copies, {}
+        for name, values in self.envs[0].task.quiet_terms(copies.progress[which], copies.collided[which]).items():
+            terms[name] = np.zeros(self.num_envs)
+            terms[name][which] = values
+            self._rewards[which] += terms[name][which]
+        for i in which.tolist() if self.envs[0].reveal_truth else ():
+            infos[i] = {"truth": self.envs[i].truth()}
         return terms
 
     def _begin(self, i: int) -> Info:
@@ -156,51 +154,41 @@ class NavigationVectorEnv(SyncVectorEnv):
         return info
 
     def _write(self, i: int, observation: Observation) -> None:
-        """Take over the observation, and the state, of a copy that was stepped or reset by itself."""
+        """Take over the observation of a copy that was stepped or reset by itself, and the arrays that it has now."""
         for key, value in observation.items():
             self._observations[key][i] = value
-        self._copies.load(i)
+        if self._copies is not None:
+            self._copies.load(i)
+
+    def _load(self) -> None:
+        """Take over what somebody may have changed."""
+        self._alike = can_step_together(self.envs)
+        self._copies = Copies(self.envs, self._observations) if self._alike and self._was_reset else None
 
     def _row(self, i: int) -> Observation:
         return {key: rows[i].copy() for key, rows in self._observations.items()}
 
-    def _store(self) -> None:
-        """Bring all environments up to date before somebody looks at them."""
-        for i in range(self.num_envs if self._copies is not None else 0):
-            self._copies.store(i)
-
-    def _load(self) -> None:
-        """Take over what somebody may have changed."""
-        for i in range(self.num_envs if self._copies is not None else 0):
-            self._copies.load(i)
-
-    def render(self) -> tuple[Any, ...]:
-        """Return the pictures of all copies."""
-        self._store()
-        return super().render()
-
     def call(self, name: str, *args: Any, **kwargs: Any) -> tuple[Any, ...]:
         """Call a method of every copy, or return an attribute."""
-        self._store()
         results = super().call(name, *args, **kwargs)
         self._load()
         return results
 
     def set_attr(self, name: str, values: Any) -> None:
         """Set an attribute of every copy to one value, or to each its own of a list."""
-        self._store()
         super().set_attr(name, values)
-        self._alike = can_step_together(self.envs)
-        if self._copies is not None:
-            self._copies = Copies(self.envs)
+        self._load()
 
     def __getstate__(self) -> dict[str, Any]:
         """Pickle everything but addresses."""
-        self._store()
-        return self.__dict__ | {"_copies": None, "_was_reset": self._copies is not None}
+        return self.__dict__ | {"_copies": None}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        was_reset = state.pop("_was_reset")
         self.__dict__.update(state)
-        if was_reset:
-            self._copies = Copies(self.envs)
+        self._load()
+
+
+def can_step_together(envs: Sequence[SemanticNavigationEnv]) -> bool:
+    """Say whether the kernels can step such environments, and these are alike."""
+    drawn = any(env.render_mode == "rgb_array" for env in envs)
+    return all(map(can_be_fused, envs)) and not drawn and len({(env.max_steps, env.reveal_truth) for env in envs}) == 1

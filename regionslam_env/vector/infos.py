@@ -6,10 +6,11 @@ from typing import Any
 
 import numpy as np
 from gymnasium.vector import VectorEnv
-
-from regionslam_env.vector.errands import Terms
+from numpy.typing import NDArray
 
 Info = dict[str, Any]
+Terms = tuple[NDArray[np.bool_], dict[str, NDArray[np.float64]]]
+"""Whose terms of the reward there are, shape (N,), and the terms by name, each of shape (N,)."""
 
 TERMS = "reward_terms"
 

@@ -78,6 +78,12 @@ class Field:
         """The roots, and their grid, as plain tuples: Numba unpacks them ten times faster."""
         return (tuple(self.roots.grid), *self.roots[1:])
 
+    @cached_property
+    def arrays(self) -> tuple[NDArray[Any], ...]:
+        """The same as arrays alone: x0, y0, step and clearance of the grid, then the other parts of the roots."""
+        grid = self.roots.grid
+        return (np.array([grid.x0, grid.y0, grid.step]), grid.clearance, *self.roots[1:])
+
     @property
     def nodes(self) -> Floats:
         """Distance at every node of the grid, m; infinite where unreachable or blocked, (nx, ny)."""

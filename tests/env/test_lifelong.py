@@ -67,7 +67,7 @@ def test_a_carried_robot_is_lost_until_it_finds_itself():
     assert env.belief.lost
     drive(env, 60, (0.0, 0.3))
     assert not env.belief.lost
-    true = env._episode.in_map(env.true_pose)
+    true = env.episode.in_map(env.true_pose)
     assert np.hypot(*(env.belief.pose_mean - true)[:2]) < 0.3
 
 

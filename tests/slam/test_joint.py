@@ -73,7 +73,7 @@ def test_a_region_out_of_sight_learns_from_one_that_closes_the_loop() -> None:
     before = region(belief, "kitchen").cov[1, 1]
     belief = slam.step(STANDING, seen(pose, ROOMS[0]))
     assert region(belief, "kitchen").cov[1, 1] < 0.7 * before
-    assert region(belief, "kitchen").last_seen < slam._scan_number
+    assert region(belief, "kitchen").last_seen < slam.progress[0]
 
 
 def drive(slam: RegionSLAM, steps: int, seed: int, start: np.ndarray) -> tuple[Belief, np.ndarray]:

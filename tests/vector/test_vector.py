@@ -13,7 +13,7 @@ from regionslam_env.missions.mission import GoTo, Mission
 from regionslam_env.observations import ProgressColumn
 from regionslam_env.registration import ENVIRONMENTS
 from regionslam_env.vector import NavigationVectorEnv
-from regionslam_env.vector.copies import can_step_together
+from regionslam_env.vector.environment import can_step_together
 from regionslam_env.worlds.format import save_world
 from tests.floors import two_rooms
 
@@ -142,7 +142,7 @@ def test_a_filter_that_is_lost_is_stepped_alone(floor):
     ours.reset(seed=2), theirs.reset(seed=2)
     drive_both(ours, theirs, 20)
     for envs in (ours, theirs):
-        envs.envs[1].unwrapped._localizer.carry()
+        envs.envs[1].unwrapped.localizer.carry()
     assert ours.call("belief")[1].lost
     drive_both(ours, theirs, 20)
 
@@ -153,7 +153,7 @@ def test_a_filter_that_gets_lost_in_a_step(floor):
     drive_both(ours, theirs, 5)
     ours.call("belief")
     for envs in (ours, theirs):
-        envs.envs[2].unwrapped._localizer.filter._doubt = 20.0
+        envs.envs[2].unwrapped.localizer.filter.progress[1] = 20.0
     ours.call("belief")
     drive_both(ours, theirs, 1)
     assert [belief.lost for belief in ours.call("belief")] == [False, False, True]
