@@ -61,8 +61,9 @@ def benchmark_environment(
     dict
         ``steps_per_second`` and ``reset_ms`` (medians of the quiet repeats; the first includes the resets),
         ``vector_steps_per_second`` with ``copies``, ``vector_ratio`` (of the two, turn by turn), ``peers`` (by id their
-        ``steps_per_second``, and our ``ratio`` and ``vector_ratio`` to them, turn by turn), ``microseconds`` per step
-        by part, from a run of its own with timers in it, and ``quiet`` of ``repeats``.
+        ``steps_per_second``, and our ``ratio`` and ``vector_ratio`` to them, turn by turn), ``microseconds``
+        by part, from a run of its own in which steps are taken part by part, with timers, instead of in one call, and
+        ``quiet`` of ``repeats``.
     """
     count = max(1, steps // repeats)
     tell("setting out")
@@ -204,8 +205,9 @@ def _drive(env: gymnasium.Env[Any, Any], actions: np.ndarray) -> float:
 
 
 def _by_part(env: gymnasium.Env[Any, Any], actions: np.ndarray) -> dict[str, float]:
-    """Return µs per step of each part; what the timers themselves take is in `other`."""
+    """Return µs of each part of a step that is taken part by part; what the timers themselves take is in `other`."""
     base: Any = env.unwrapped
+    fusible, base.fusible = base.fusible, False
     spent = dict.fromkeys(PARTS, 0.0)
     targets = {part: (getattr(base, owner), name) for part, (owner, name) in PARTS.items()}
     env.reset()
@@ -218,6 +220,7 @@ def _by_part(env: gymnasium.Env[Any, Any], actions: np.ndarray) -> dict[str, flo
             count += 1
             if terminated or truncated:
                 break
+    base.fusible = fusible
     parts = {part: 1e6 * seconds / count for part, seconds in spent.items()}
     return {**parts, "other": 1e6 * total / count - sum(parts.values()), "total": 1e6 * total / count}
 

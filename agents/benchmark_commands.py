@@ -41,6 +41,7 @@ def environment(steps: Steps = 20_000, world: WorldName = "institute", copies: C
         f"{result['env']}: {result['steps_per_second']:.0f} steps per second, reset {result['reset_ms']:.1f} ms "
         f"({result['quiet']} of {result['repeats']} repeats on a quiet machine)"
     )
+    say.print("taken part by part, with timers, a step spends")
     for part, microseconds in result["microseconds"].items():
         say.print(f"  {part:<14}{microseconds:8.1f} µs")
     say.print(
