@@ -28,6 +28,9 @@ if TYPE_CHECKING:
 
 Ints = NDArray[np.int64]
 
+MOST_STEPS = 2**63 - 1
+"""More steps than a kernel can count are as good as without end."""
+
 
 def can_be_fused(env: SemanticNavigationEnv) -> bool:
     """Say whether the kernels do all that a step of an environment does.
@@ -145,7 +148,7 @@ class Copies:
 
     def _go_on(self, which: Ints) -> None:
         """Take some of them through the rest of their steps, with whatever help they need."""
-        settings = (*self._settings, self.envs[0].max_steps)
+        settings = (*self._settings, min(self.envs[0].max_steps, MOST_STEPS))
         while len(which):
             kernels.step_all(which, self.records, self._addresses.table, *settings)
             which = which[self.stage[which] < UPDATED]
