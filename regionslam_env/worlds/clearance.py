@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from regionslam_env.worlds.world import WALL_RADIUS, World
-from slam.jit import Array, njit
+from slam.jit import Array, lean, njit
 from slam.rows import Floats
 
 CAP = 1.0
@@ -111,7 +111,7 @@ def fill_clearance(x0: float, y0: float, step: float, out: Array, shapes: Shapes
                 out[i, j] = min(out[i, j], distance - radius)
 
 
-@njit
+@lean
 def clearance_at(grid: Grid, x: float, y: float) -> float:
     """Return the clearance at a point, between grid nodes bilinear; -1 beyond the grid."""
     u, v = (x - grid.x0) / grid.step, (y - grid.y0) / grid.step
@@ -123,7 +123,7 @@ def clearance_at(grid: Grid, x: float, y: float) -> float:
     return float((1 - u) * low + u * ((1 - v) * c[i + 1, j] + v * c[i + 1, j + 1]))
 
 
-@njit
+@lean
 def rolls_straight(grid: Grid, x: float, y: float, to_x: float, to_y: float) -> bool:
     """Return whether the disc can move straight between two points, in strides of the clearance found on the way."""
     length = np.hypot(to_x - x, to_y - y)

@@ -22,7 +22,7 @@ from regionslam_env.worlds.clearance import (
 )
 from regionslam_env.worlds.heap import drop_first, lower
 from regionslam_env.worlds.world import WALL_RADIUS, World
-from slam.jit import Array, njit
+from slam.jit import Array, lean, njit
 from slam.rows import Floats
 
 SIDES = 12
@@ -78,7 +78,7 @@ def _mark_free(points: Array, grid: Grid, shapes: Shapes, radius: float, free: A
             free[k] = exact_clearance(x, y, shapes, radius) > -1e-9
 
 
-@njit
+@lean
 def _seeing_pairs(points: Array, centres: Array, grid: Grid, pairs: Array) -> int:
     """Write the pairs that see each other along a taut line; returns their number, also where `pairs` is too small."""
     count = 0
@@ -99,7 +99,7 @@ def _seeing_pairs(points: Array, centres: Array, grid: Grid, pairs: Array) -> in
     return count
 
 
-@njit
+@lean
 def relax_corners(corners: Corners, distance: Array, towards: Array, heap: Array, place: Array) -> None:
     """Lower the distance of every corner to that through its neighbours (Dijkstra 1959).
 

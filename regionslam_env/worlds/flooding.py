@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from regionslam_env.worlds.clearance import Grid, rolls_straight
 from regionslam_env.worlds.heap import drop_first, lower
-from slam.jit import Array, njit
+from slam.jit import Array, lean, njit
 from slam.rows import Floats
 
 
@@ -26,7 +26,7 @@ class Roots(NamedTuple):
     value: Floats  # (nx * ny,) distance at the node, m
 
 
-@njit
+@lean
 def foot(goal: Array, x: float, y: float) -> tuple[float, float, float]:
     """Return the point of a rectangle nearest to (x, y), and its distance."""
     along = goal[2] * (x - goal[0]) + goal[3] * (y - goal[1])
@@ -36,7 +36,7 @@ def foot(goal: Array, x: float, y: float) -> tuple[float, float, float]:
     return fx, fy, np.hypot(along - u, across - v)
 
 
-@njit
+@lean
 def see_goals(grid: Grid, points: Array, goals: Array, distance: Array) -> None:
     """Lower the distance of every corner that sees its nearest point of a goal rectangle."""
     for v in range(len(points)):
@@ -46,7 +46,7 @@ def see_goals(grid: Grid, points: Array, goals: Array, distance: Array) -> None:
                 distance[v] = straight
 
 
-@njit
+@lean
 def see_points(grid: Grid, corners: Array, points: Array, offsets: Array, distance: Array, towards: Array) -> None:
     """Lower the distance of every corner that sees one of some points; `towards` gets the point's number behind all."""
     for v in range(len(corners)):
@@ -88,7 +88,7 @@ def mark_leaving(roots: Roots, part: Array, leaving: Array) -> None:
             leaving[node] |= not part[beside] or roots.value[beside] > 0
 
 
-@njit
+@lean
 def through_root(roots: Roots, root: int, x: float, y: float) -> tuple[float, float, float]:
     """Return the distance from (x, y) to the goal through a root, and the end of the straight piece."""
     corners = len(roots.points)
@@ -99,7 +99,7 @@ def through_root(roots: Roots, root: int, x: float, y: float) -> tuple[float, fl
     return straight, fx, fy
 
 
-@njit
+@lean
 def improve(roots: Roots, node: int, root: int, failed: Array, stack: Array) -> bool:
     """Give a node this root, or one behind it, if that is shorter and its straight piece free; returns whether it was.
 
@@ -135,7 +135,7 @@ def improve(roots: Roots, node: int, root: int, failed: Array, stack: Array) -> 
     return improved
 
 
-@njit
+@lean
 def flood(roots: Roots, heap: Array, place: Array, failed: Array, stack: Array) -> None:
     """Fill `root` and `value` outwards from the goals and the corners, nearest nodes first.
 
@@ -166,7 +166,7 @@ def flood(roots: Roots, heap: Array, place: Array, failed: Array, stack: Array) 
                 size = lower(heap, place, roots.value, size, i * ny + j)
 
 
-@njit
+@lean
 def extent(roots: Roots, root: int) -> tuple[float, float, float, float]:
     """Return the box (lowest x, y, highest x, y) of a root: a point, or a rectangle of the goal."""
     corners = len(roots.points)
@@ -180,7 +180,7 @@ def extent(roots: Roots, root: int) -> tuple[float, float, float, float]:
     return x - half_x, y - half_y, x + half_x, y + half_y
 
 
-@njit
+@lean
 def query(roots: Roots, x: float, y: float) -> tuple[float, int]:
     """Return the distance from a point to the goal and its root (-1 if unreachable).
 
@@ -204,7 +204,7 @@ def query(roots: Roots, x: float, y: float) -> tuple[float, int]:
     return best, best_root
 
 
-@njit
+@lean
 def distance_at(roots: Any, x: float, y: float) -> float:
     """Return the distance from a point to the goal, 0 inside; `roots` holds the parts of `Roots` and of its grid."""
     named = Roots(Grid(*roots[0]), *roots[1:])

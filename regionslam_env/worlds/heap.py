@@ -6,10 +6,10 @@ Items are numbers 0 .. n-1 and stand in the heap at most once, so it never grows
 
 from __future__ import annotations
 
-from slam.jit import Array, njit
+from slam.jit import Array, lean
 
 
-@njit
+@lean
 def lower(heap: Array, place: Array, key: Array, size: int, item: int) -> int:
     """Put an item into the heap, or move it up after its key has become smaller; returns the size."""
     i = place[item]
@@ -28,7 +28,7 @@ def lower(heap: Array, place: Array, key: Array, size: int, item: int) -> int:
     return size
 
 
-@njit
+@lean
 def drop_first(heap: Array, place: Array, key: Array, size: int) -> int:
     """Remove the first item (read ``heap[0]`` before); returns the size."""
     place[heap[0]] = -1
