@@ -388,20 +388,22 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         fused = self._fused
         fused.step(FIRST, np.array(((speed, turn_rate),)), np.array((declared,)))
         if fused.stage[0] == OBSERVED:
-            verdict = self.quiet_verdict(fused.progress[0], fused.collided[0])
+            verdict = self._quiet_verdict(fused.progress[0], fused.collided[0])
         else:
             verdict = fused.settle(0)
         if self.render_mode == "rgb_array":
             self._remember(self.simulation.pose, self.belief)
         return (fused.observation(0), *verdict)
 
-    def quiet_verdict(self, progress: float, collided: bool) -> tuple[float, bool, bool, Info]:
+    def _quiet_verdict(self, progress: float, collided: bool) -> tuple[float, bool, bool, Info]:
         """Return the verdict of a step that ends nothing: progress (m), and whether something held the robot back."""
         terms = self.task.quiet_terms(float(progress), bool(collided))
-        info: Info = {"reward_terms": terms}
-        if self.reveal_truth:
-            info["truth"] = self.truth()
-        return sum(terms.values()), False, False, info
+        return sum(terms.values()), False, False, self._told(terms)
+
+    def _told(self, terms: dict[str, float]) -> Info:
+        """Return what every info of a step holds."""
+        truth = {"truth": self.truth()} if self.reveal_truth else {}
+        return {"reward_terms": terms, **truth}
 
     def note(self, odometry: Odometry, true_pose: Floats) -> None:
         """Write a step into the book of the episode; the true pose is in the map frame."""
@@ -416,9 +418,7 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         if self.task.completed != self._completed:
             self._aim()
         truncated = last and not terminated
-        info: Info = {"reward_terms": terms}
-        if self.reveal_truth:
-            info["truth"] = self.truth()
+        info = self._told(terms)
         if terminated or truncated:
             self._running = False
             info |= self._metrics(success, terminated, declared)
