@@ -427,8 +427,7 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     def _perceive(self, odometry: Odometry, pose: Floats, true_pose: Floats) -> Belief:
         """Measure from a true pose (world frame; `true_pose` in the map frame) and return the updated belief."""
         self.lidar.measure(pose)
-        self._scan = self.region_sensor.measure(pose)
-        belief = self.localizer.step(odometry, self._scan, true_pose)
+        belief = self.localizer.step(odometry, self.region_sensor.measure(pose), true_pose)
         if self.render_mode == "rgb_array":
             self._remember(pose, belief)
         return belief
@@ -470,7 +469,7 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     @property
     def scan(self) -> Scan:
         """Regions measured in the last step, in the robot's frame."""
-        return self.region_sensor.scan if self.region_sensor.is_exact else self._scan
+        return self.region_sensor.scan
 
     @property
     def slot_ids(self) -> NDArray[np.int64]:

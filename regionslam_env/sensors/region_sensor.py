@@ -104,7 +104,7 @@ class RegionSensor:
         self._view = np.zeros((self._n_rays, 2))
         self._records, self._links = np.zeros(size, MEASUREMENT), np.zeros(size * self._most_links, LINK)
         self._counts = np.zeros(2, np.int64)
-        self._numbers: Ints | None = None
+        self._distorted: tuple[Scan, Ints] | None = None
         self.normals = Normals(max(_BLOCK, DRAWS * size))
         self.reset(rng)
 
@@ -114,19 +114,23 @@ class RegionSensor:
         self.normals.begin(rng)
         if not keep_sightings:
             self.sightings = np.zeros(len(self._rows), np.int64)
-        self._counts[:], self._numbers = 0, None
+        self._counts[:], self._distorted = 0, None
 
     @property
     def sources(self) -> NDArray[np.void]:
         """Where the measurements of the last scan come from, shape (M,), a copy."""
-        numbers = np.arange(self._counts[0]) if self._numbers is None else self._numbers
+        numbers = np.arange(self._counts[0]) if self._distorted is None else self._distorted[1]
         found = self._room[1][numbers]
         found["region"][numbers < 0] = -1
         return found
 
     @property
     def scan(self) -> Scan:
-        """The last scan, before anything is missed or invented; a copy."""
+        """The last scan; a copy, but for one with mistakes in it."""
+        return self._exact_scan() if self._distorted is None else self._distorted[0]
+
+    def _exact_scan(self) -> Scan:
+        """Return the last scan before anything is missed or invented."""
         count, links = self._counts.tolist()
         view = self._view.copy() if self._sighted is None else np.concatenate((ROBOT, self._view[self._sighted]))
         return Scan.from_records(self._records[:count].copy(), self._types, self._links[:links].copy(), view)
@@ -150,11 +154,9 @@ class RegionSensor:
             self._links,
         )
         self.normals.used[0] += self._counts[0] * DRAWS
-        scan, noise = self.scan, self._noise
-        if self.is_exact:
-            return scan
-        scan, self._numbers = distort(scan, noise, self._confidence, self._rng)
-        return scan
+        if not self.is_exact:
+            self._distorted = distort(self._exact_scan(), self._noise, self._confidence, self._rng)
+        return self.scan
 
     @property
     def is_exact(self) -> bool:
