@@ -56,12 +56,12 @@ def assign(
             for other in range(len(ids)):
                 if costs[other] == 0:
                     held = region_of(maps, heaviest, places[other])
-                    costs[other] = cost(held, maps.links, x, y, types[held.type] == goal)
+                    costs[other] = cost(held, maps, x, y, types[held.type] == goal)
             slot = 0
             for other in range(len(ids)):
                 if costs[other] > costs[slot]:
                     slot = other
-            if cost(region, maps.links, x, y, types[region.type] == goal) > _STAYS * costs[slot]:
+            if cost(region, maps, x, y, types[region.type] == goal) > _STAYS * costs[slot]:
                 continue
         ids[slot], places[slot], costs[slot] = region.id, place, 0.0
 
@@ -99,16 +99,16 @@ def shown(maps: Any, particle: int, place: int, confirmed_after: int) -> bool:
 
 
 @njit
-def cost(region: Any, links: Records, x: float, y: float, is_goal: bool) -> float:
+def cost(region: Any, maps: Any, x: float, y: float, is_goal: bool) -> float:
     """Return how dispensable a region is: its distance, a quarter of it for the goal's type, more in doubt."""
     result = (1.0 + distance(region, x, y)) * (2.0 - sigmoid(region.existence))
     if is_goal:
         return 0.25 * result
     k = region.first_link
     while k >= 0:
-        if links[k].kind == INSIDE and links[k].log_odds > 0:
+        if maps.links[k].kind == INSIDE and maps.links[k].log_odds > 0:
             return 3.0 * result
-        k = links[k].next
+        k = maps.next_links[k]
     return result
 
 

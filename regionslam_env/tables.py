@@ -108,7 +108,10 @@ def write_types(
             slot = slots[place if region.rival < 0 else region.rival]
             if slot >= 0:
                 rows[slot, TYPES + types[region.type]] += sigmoid(region.type_log_odds)
-    for slot in range(len(rows)):
+    for place in range(len(slots)):
+        slot = slots[place]
+        if slot < 0:
+            continue
         named, total = 0, 0.0
         for column in range(TYPES, TYPES + n_types):
             if rows[slot, column] > 0:
@@ -174,7 +177,7 @@ def write_links(
         k = region_of(maps, heaviest, places[slot]).first_link
         while k >= 0:
             link = maps.links[k]
-            k = link.next
+            k = maps.next_links[k]
             if not is_current(maps, heaviest, link):
                 continue
             other = slots[link.target]

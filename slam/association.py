@@ -83,45 +83,127 @@ def associate(
     """
     work = workspaces(p.tolerance)
     turned, found = np.zeros_like(measured[:1, 0]), np.zeros(1, CANDIDATE)
-    circles, around, pool = bounding_circles(measured), np.empty(near.shape[1], NEIGHBOUR), maps.pool
+    circles, around = bounding_circles(measured), np.empty(near.shape[1], NEIGHBOUR)
+    open_pairs = np.empty(candidates.shape[1], np.bool_)
     for i in range(len(particles)):
-        for j in range(n_near[i]):
-            look_at(pool, maps.table[i, near[i, j]], particles[i], around[j])
-        pose = particles[i].pose
-        c, s = np.cos(pose[2]), np.sin(pose[2])
-        margin = MARGIN * p.sensor_range + 5.0 * np.sqrt(particles[i].cov[0, 0] + particles[i].cov[1, 1])
-        n = 0
-        for z in range(len(measured)):
-            first, descriptions, type_number = n, measured[z], measured[z, 0].type
-            x = pose[0] + c * circles[z, 0] - s * circles[z, 1]
-            y = pose[1] + s * circles[z, 0] + c * circles[z, 1]
-            widest, size = circles[z, 2] + margin, circles[z, 3]
-            for j in range(n_near[i]):
-                other = around[j]
-                dx, dy, reach = other.x - x, other.y - y, other.radius + widest
-                if dx * dx + dy * dy > reach * reach or (type_number != other.type and not are_alike(size, other.area)):
-                    continue
-                frame, m = (other.c, other.s, other.u, other.v), pool[other.record]
-                if compare_in(frame, descriptions, m, particles[i], p, work[0], turned[0], found[0]):
-                    found[0].z, found[0].slot = z, near[i, j]
-                    n = keep(candidates[i], first, n, found[0])
-        n_candidates[i] = n
-        assign(candidates[i, :n], associations[i], measured, maps.marks, p)
-        for z in range(len(measured)):
-            for j in range(n_near[i] if associations[i, z].slot == NEW else 0):
-                m = region_of(maps, i, near[i, j])
-                if is_misnamed(measured[z], m, particles[i], p, work[0], turned[0], found[0]):
-                    associations[i, z].slot = AMBIGUOUS
-                    break
+        n_candidates[i] = associate_one(
+            particles[i],
+            maps,
+            i,
+            near[i, : n_near[i]],
+            measured,
+            circles,
+            p,
+            work[0],
+            turned[0],
+            found[0],
+            around,
+            open_pairs,
+            associations[i],
+            candidates[i],
+        )
 
 
 @lean
-def look_at(pool: Array, record: int, particle: Record, out: Record) -> None:
-    """Write what data association asks of a region again and again into `out`, a `NEIGHBOUR`."""
-    m = pool[record]
-    out.record, out.type, out.area = record, m.type, area(m)
-    out.x, out.y, out.radius = m.anchor[0], m.anchor[1], m.radius
-    out.c, out.s, out.u, out.v = frame_of(m, particle.pose)
+def associate_one(
+    particle: Record,
+    maps: Record,
+    i: int,
+    near: Array,
+    measured: Array,
+    circles: Array,
+    p: Record,
+    work: Record,
+    turned: Record,
+    found: Record,
+    around: Array,
+    open_pairs: Array,
+    associations: Array,
+    candidates: Array,
+) -> int:
+    """Associate all measurements for particle i; return how many candidates there are.
+
+    `circles` are `bounding_circles`. Scratch: a `WORKSPACE`, a `REGION`, a `CANDIDATE`, a `NEIGHBOUR` for each region
+    nearby, and a flag for each candidate.
+    """
+    look_around(maps, i, near, particle.pose, around)
+    n = find_candidates(
+        particle, maps.pool, near, around[: len(near)], measured, circles, p, work, turned, found, candidates
+    )
+    assign(candidates[:n], open_pairs, associations, measured, maps.marks, p)
+    doubt_misnamed(particle, maps, i, near, measured, p, work, turned, found, associations)
+    return n
+
+
+@lean
+def find_candidates(
+    particle: Record,
+    pool: Array,
+    slots: Array,
+    around: Array,
+    measured: Array,
+    circles: Array,
+    p: Record,
+    work: Record,
+    turned: Record,
+    found: Record,
+    candidates: Array,
+) -> int:
+    """Write the candidates of all measurements, one measurement after the other; return how many there are.
+
+    `around` holds the regions nearby, `NEIGHBOUR`, and `slots` their slots; for `circles` see `bounding_circles`.
+    """
+    pose, cov, n = particle.pose, particle.cov, 0
+    c, s = np.cos(pose[2]), np.sin(pose[2])
+    margin = MARGIN * p.sensor_range + 5.0 * np.sqrt(cov[0, 0] + cov[1, 1])
+    for z in range(len(measured)):
+        first, descriptions, type_number = n, measured[z], measured[z, 0].type
+        x = pose[0] + c * circles[z, 0] - s * circles[z, 1]
+        y = pose[1] + s * circles[z, 0] + c * circles[z, 1]
+        widest, size = circles[z, 2] + margin, circles[z, 3]
+        for j in range(len(around)):
+            other = around[j]
+            dx, dy, reach = other.x - x, other.y - y, other.radius + widest
+            if dx * dx + dy * dy > reach * reach or (type_number != other.type and not are_alike(size, other.area)):
+                continue
+            frame, m = (other.c, other.s, other.u, other.v), pool[other.record]
+            if compare_in(frame, descriptions, m, particle, p, work, turned, found):
+                found.z, found.slot = z, slots[j]
+                n = keep(candidates, first, n, found)
+    return n
+
+
+@lean
+def doubt_misnamed(
+    particle: Record,
+    maps: Record,
+    i: int,
+    near: Array,
+    measured: Array,
+    p: Record,
+    work: Record,
+    turned: Record,
+    found: Record,
+    associations: Array,
+) -> None:
+    """Make ambiguous what would be new, but shows a region of particle i whose other type is settled."""
+    for z in range(len(measured)):
+        for j in range(len(near) if associations[z].slot == NEW else 0):
+            m = region_of(maps, i, near[j])
+            if is_misnamed(measured[z], m, particle, p, work, turned, found):
+                associations[z].slot = AMBIGUOUS
+                break
+
+
+@lean
+def look_around(maps: Record, particle: int, near: Array, pose: Array, around: Array) -> None:
+    """Write what data association asks of the regions nearby again and again into `around`, an array of `NEIGHBOUR`."""
+    for j in range(len(near)):
+        record, out = maps.table[particle, near[j]], around[j]
+        m = maps.pool[record]
+        out.record, out.type, out.area = record, m.type, area(m)
+        out.x, out.y, out.radius = m.anchor[0], m.anchor[1], m.radius
+        out.c, out.s, out.u, out.v = frame_of(m, pose)
 
 
 @lean
@@ -196,15 +278,14 @@ def are_alike(a: float, b: float) -> bool:
     return a < ALIKE * b and b < ALIKE * a
 
 
-@njit
-def assign(candidates: Array, associations: Array, measured: Array, taken: Array, p: Record) -> None:
+@lean
+def assign(candidates: Array, open_pairs: Array, associations: Array, measured: Array, taken: Array, p: Record) -> None:
     """Give each measurement the region that explains it best, each region once, the most likely pairs first.
 
-    `taken` is scratch, one number per slot, -1 before and after.
+    Scratch: `open_pairs`, a flag for each candidate, and `taken`, one number per slot, -1 before and after.
     """
     for z in range(len(measured)):
         associations[z].slot = NEW if can_be_born(measured[z, 0], p) else AMBIGUOUS
-    open_pairs = np.zeros(len(candidates), np.bool_)
     for c in range(len(candidates)):
         open_pairs[c] = candidates[c].same_type and candidates[c].distance < p.gate_associate
     while True:

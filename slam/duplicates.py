@@ -31,15 +31,23 @@ def resolve_duplicates(
     maps: Record, near: Array, n_near: Array, associations: Array, scan_number: int, p: Record
 ) -> None:
     """Compare a region just measured with its neighbours; merge twins and rank rivals."""
-    work = workspaces(p.tolerance)
-    scratch, candidate, stand = np.zeros(5, REGION), np.zeros(1, CANDIDATE), np.zeros(1, PARTICLE)
     for i in range(len(associations)):
-        for younger, older in find_twins(maps, i, near, n_near, associations, scan_number, p):
-            kept = own(maps, i, older)
-            merge(region_of(maps, i, younger), kept, p, work, scratch, candidate[0], stand)
-            cover(maps, older, kept)
-            drop(maps, i, younger)
+        twins = find_twins(maps, i, near, n_near, associations, scan_number, p)
+        if len(twins) > 0:
+            merge_twins(maps, i, twins, p)
         settle_rivals(maps, i, near, n_near, p)
+
+
+@njit
+def merge_twins(maps: Record, i: int, twins: Array, p: Record) -> None:
+    """Make one region of each pair of twins, (younger, older) slots (k, 2), in the map of particle i."""
+    work, scratch = workspaces(p.tolerance), np.zeros(5, REGION)
+    candidate, stand = np.zeros(1, CANDIDATE), np.zeros(1, PARTICLE)
+    for younger, older in twins:
+        kept = own(maps, i, older)
+        merge(region_of(maps, i, younger), kept, p, work, scratch, candidate[0], stand)
+        cover(maps, older, kept)
+        drop(maps, i, younger)
 
 
 @njit

@@ -52,20 +52,41 @@ def update_geometry(
     p: Record,
 ) -> None:
     """Update every associated region and add the new ones; a new region's slot goes into `associations` and `near`."""
-    work = workspaces(p.tolerance)
-    turned = np.zeros_like(measured[:1, 0])
-    born = np.full(len(measured), -1, np.int64)  # the slot of a new region is the same for all particles
+    work, turned, born = workspaces(p.tolerance), np.zeros_like(measured[:1, 0]), np.full(len(measured), -1, np.int64)
+    update_regions(particles, maps, near, n_near, measured, associations, scan_number, p, work[0], turned[0], born)
+
+
+@lean
+def update_regions(
+    particles: Array,
+    maps: Record,
+    near: Array,
+    n_near: Array,
+    measured: Array,
+    associations: Array,
+    scan_number: int,
+    p: Record,
+    work: Record,
+    turned: Record,
+    born: Array,
+) -> None:
+    """Do what `update_geometry` says; `work` and `turned`, a `WORKSPACE` and a `REGION`, are scratch.
+
+    `born` (M,) begins as -1: the slot of the region that a measurement begins is the same for all particles.
+    """
     for i in range(len(particles)):
         particle = particles[i]
-        work[0].pose_cov[:] = particle.cov
+        for a in range(3):
+            for b in range(3):
+                work.pose_cov[a, b] = particle.cov[a, b]
         for j in range(len(measured)):
             a = associations[i, j]
             if a.slot >= 0:
                 m = own(maps, i, a.slot)
                 if a.turn_map:
-                    turn(m, 1, turned[0])
-                    take_row(turned[0], m)
-                fuse_as_set(measured[j, a.turn], m, a.offset, particle.pose, work[0], p)
+                    turn(m, 1, turned)
+                    take_row(turned, m)
+                fuse_as_set(measured[j, a.turn], m, a.offset, particle.pose, work, p)
                 m.sightings += 1
                 m.last_seen = scan_number
                 cover(maps, a.slot, m)

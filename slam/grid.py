@@ -16,6 +16,9 @@ from slam.jit import Array, Record, lean, njit
 CELL = 8.0
 """Width of the smallest cells, in the unit of length; it decides on speed alone."""
 
+FOUND = 64
+"""Room for slots that a search begins with."""
+
 SLOT = np.dtype(
     (
         np.record,
@@ -73,19 +76,29 @@ def leave(slots: Array, buckets: Array, slot: int) -> None:
 @njit
 def search(slots: Array, buckets: Array, n_layers: int, x: float, y: float, radius: float) -> Array:
     """Return the slots whose circles touch a circle about (x, y), in ascending order."""
-    found = np.empty(64, np.int64)
-    n, width = 0, CELL
     if (2 * (radius / CELL + 1) + 1) ** 2 > len(slots):
         return search_all(slots, x, y, radius)  # fewer slots than cells
+    found = np.empty(FOUND, np.int64)
+    n = search_cells(slots, buckets, n_layers, x, y, radius, found)
+    if n > len(found):
+        found = np.empty(n, np.int64)
+        search_cells(slots, buckets, n_layers, x, y, radius, found)
+    found[:n].sort()
+    return found[:n]
+
+
+@lean
+def search_cells(slots: Array, buckets: Array, n_layers: int, x: float, y: float, radius: float, found: Array) -> int:
+    """Write the slots whose circles touch a circle about (x, y), as many as there is room for; return how many are."""
+    n, width = 0, CELL
     for layer in range(n_layers):
         reach = radius + width
         if (2 * reach / width) ** 2 > len(buckets):  # more cells than buckets: every bucket once
             for slot in buckets:
                 while slot >= 0:
                     if slots[slot].layer == layer and meets(slots[slot], x, y, radius):
-                        if n == len(found):
-                            found = doubled(found)
-                        found[n] = slot
+                        if n < len(found):
+                            found[n] = slot
                         n += 1
                     slot = slots[slot].next
             width *= 2
@@ -95,13 +108,12 @@ def search(slots: Array, buckets: Array, n_layers: int, x: float, y: float, radi
                 slot = buckets[bucket_of(layer, column, row, len(buckets))]
                 while slot >= 0:
                     if touches(slots[slot], layer, column, row, x, y, radius):
-                        if n == len(found):
-                            found = doubled(found)
-                        found[n] = slot
+                        if n < len(found):
+                            found[n] = slot
                         n += 1
                     slot = slots[slot].next
         width *= 2
-    return np.sort(found[:n])
+    return n
 
 
 @njit
@@ -130,9 +142,3 @@ def meets(place: Record, x: float, y: float, radius: float) -> bool:
     """Say whether a slot's circle touches the circle about (x, y)."""
     dx, dy, reach = place.x - x, place.y - y, place.radius + radius
     return dx * dx + dy * dy <= reach * reach
-
-
-@njit
-def doubled(array: Array) -> Array:
-    """Return an array twice as long that begins with the given one."""
-    return np.concatenate((array, np.empty(len(array), np.int64)))

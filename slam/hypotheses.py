@@ -38,13 +38,13 @@ def alternatives(
                 if other.z == pair.z and other.slot == chosen:
                     lack[c] = other.log_likelihood - pair.log_likelihood
     found = np.empty((min(limit, len(candidates)), len(associations)), ASSOCIATION)
-    lacking = np.empty(len(found))
+    lacking, open_pairs = np.empty(len(found)), np.empty(len(candidates), np.bool_)
     n = 0
     for c in np.argsort(lack):
         if n == len(found) or lack[c] > DOUBT:
             break
         candidates[c].log_likelihood += FORCED
-        assign(candidates, found[n], measured, marks, p)
+        assign(candidates, open_pairs, found[n], measured, marks, p)
         candidates[c].log_likelihood -= FORCED
         lacking[n] = lack[c]
         if is_new(found, n):

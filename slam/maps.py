@@ -21,7 +21,6 @@ LINK_BELIEF = np.dtype(
         [
             ("target", np.int64),  # slot
             ("target_id", np.int64),  # the link is stale once the slot holds another region
-            ("next", np.int64),
             ("kind", np.int64),
             ("log_odds", np.float64),
             ("place", np.float64, (2,)),  # of an adjacency: where it touches its region, map frame, m
@@ -45,6 +44,7 @@ class Maps(NamedTuple):
     holders: np.ndarray  # (R,) int32: particles that share a record
     free_records: np.ndarray  # (R,) int32: a stack
     links: np.ndarray  # (L,) LINK_BELIEF: lists that start at `pool[r].first_link`; the free ones are a list, too
+    next_links: np.ndarray  # (L,) int32: the link after each in its list, -1 at the end
     slots: np.ndarray  # (S,) SLOT
     free_slots: np.ndarray  # (S,) int32: a stack
     buckets: np.ndarray  # (B,) int32: the grid over the slots
@@ -142,9 +142,9 @@ def add_link(maps: Record, m: Record) -> Any:
     """Return a new link of a region that the caller owns, to be filled, at the head of its list."""
     index = maps.counts[FIRST_FREE_LINK]
     link = maps.links[index]
-    maps.counts[FIRST_FREE_LINK] = link.next
+    maps.counts[FIRST_FREE_LINK] = maps.next_links[index]
     maps.counts[FREE_LINKS] -= 1
-    link.next = m.first_link
+    maps.next_links[index] = m.first_link
     m.first_link = index
     m.n_links += 1
     return link
@@ -161,14 +161,14 @@ def drop_stale_links(maps: Record, particle: int, m: Record) -> None:
     """Free the links of a region, owned by the particle, that lead nowhere any more."""
     previous, index = -1, m.first_link
     while index >= 0:
-        following = maps.links[index].next
+        following = maps.next_links[index]
         if is_current(maps, particle, maps.links[index]):
             previous = index
         else:
             if previous < 0:
                 m.first_link = following
             else:
-                maps.links[previous].next = following
+                maps.next_links[previous] = following
             _free_link(maps, index)
             m.n_links -= 1
         index = following
@@ -200,16 +200,16 @@ def _copy_links(maps: Record, source: int) -> Any:
     head, tail = -1, -1
     while source >= 0:
         index = maps.counts[FIRST_FREE_LINK]
-        maps.counts[FIRST_FREE_LINK] = maps.links[index].next
+        maps.counts[FIRST_FREE_LINK] = maps.next_links[index]
         maps.counts[FREE_LINKS] -= 1
         maps.links[index] = maps.links[source]
-        maps.links[index].next = -1
+        maps.next_links[index] = -1
         if tail < 0:
             head = index
         else:
-            maps.links[tail].next = index
+            maps.next_links[tail] = index
         tail = index
-        source = maps.links[source].next
+        source = maps.next_links[source]
     return head
 
 
@@ -217,14 +217,14 @@ def _copy_links(maps: Record, source: int) -> Any:
 def _free_links(maps: Record, record: int) -> None:
     index = maps.pool[record].first_link
     while index >= 0:
-        following = maps.links[index].next
+        following = maps.next_links[index]
         _free_link(maps, index)
         index = following
 
 
 @lean
 def _free_link(maps: Record, index: int) -> None:
-    maps.links[index].next = maps.counts[FIRST_FREE_LINK]
+    maps.next_links[index] = maps.counts[FIRST_FREE_LINK]
     maps.counts[FIRST_FREE_LINK] = index
     maps.counts[FREE_LINKS] += 1
 

@@ -5,7 +5,7 @@ Means and edge states are exact both ways; covariances are the marginals of the 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
@@ -140,26 +140,30 @@ def to_features(maps: Maps, particle: int, types: Sequence[str], confirmed_after
     """Return a particle's confirmed regions with their links per edge and their children."""
     records = maps.table[particle]
     regions = {s: maps.pool[records[s]] for s in np.flatnonzero(records >= 0).tolist()}
-    slots = [s for s, region in regions.items() if region.sightings >= confirmed_after]
-    rows = {s: row_of(regions[s]) for s in slots}
-    neighbours: dict[int, dict[str, dict[int, float]]] = {s: {} for s in slots}
-    children: dict[int, dict[int, float]] = {s: {} for s in slots}
-    for slot in slots:
-        index = int(regions[slot].first_link)
-        while index >= 0:
-            link = maps.links[index]
-            target = int(link.target)
-            if target in rows and int(regions[target].id) == int(link.target_id):
-                if link.kind == ADJACENT:
-                    edge = edge_names(regions[slot])[nearest_edge(regions[slot], *link.place)[0]]
-                    neighbours[slot].setdefault(edge, {})[int(link.target_id)] = float(link.log_odds)
-                else:
-                    children[target][int(regions[slot].id)] = float(link.log_odds)
-            index = int(link.next)
-    features = []
-    for slot in slots:
-        feature = to_feature(regions[slot], types)
-        object.__setattr__(feature, "neighbours", neighbours[slot])
+    features = {s: to_feature(m, types) for s, m in regions.items() if m.sightings >= confirmed_after}
+    children: dict[int, dict[int, float]] = {s: {} for s in features}
+    for slot, feature in features.items():
+        neighbours: dict[str, dict[int, float]] = {}
+        names = edge_names(regions[slot])
+        for target, target_id, kind, log_odds, place in links_of(regions[slot], maps):
+            if target not in features or features[target].id != target_id:
+                continue
+            if kind == ADJACENT:
+                edge = names[nearest_edge(regions[slot], *place)[0]]
+                neighbours.setdefault(edge, {})[target_id] = log_odds
+            else:
+                children[target][feature.id] = log_odds
+        object.__setattr__(feature, "neighbours", neighbours)
         object.__setattr__(feature, "children", children[slot])
-        features.append(feature)
-    return features
+    return list(features.values())
+
+
+def links_of(region: np.record, maps: Maps) -> Iterable[tuple[int, int, int, float, list[float]]]:
+    """Return the links of a region in their order: slot and id of the target, kind, log-odds, and where (x, y) m."""
+    chain, index = [], int(region.first_link)
+    while index >= 0:
+        chain.append(index)
+        index = int(maps.next_links[index])
+    links = maps.links[chain]
+    columns = ("target", "target_id", "kind", "log_odds", "place")
+    return zip(*(links[name].tolist() for name in columns), strict=True)

@@ -106,6 +106,7 @@ def empty_maps(n_particles: int, slots: int = SLOTS, records: int = RECORDS, lin
         holders=np.zeros(0, np.int32),
         free_records=np.zeros(0, np.int32),
         links=np.zeros(0, LINK_BELIEF),
+        next_links=np.zeros(0, np.int32),
         slots=np.zeros(0, SLOT),
         free_slots=np.zeros(0, np.int32),
         buckets=np.zeros(0, np.int32),
@@ -131,12 +132,12 @@ def with_more_links(maps: Maps, needed: int) -> Maps:
     """Return maps with at least so many free links."""
     old, free = len(maps.links), int(maps.counts[FREE_LINKS])
     size = max(old - free + needed, old + old // 2)
-    links = _grown(maps.links, size, None)
-    links["next"][old:] = np.arange(old + 1, size + 1)
-    links["next"][-1] = maps.counts[FIRST_FREE_LINK]
+    next_links = _grown(maps.next_links, size, 0)
+    next_links[old:] = np.arange(old + 1, size + 1)
+    next_links[-1] = maps.counts[FIRST_FREE_LINK]
     maps.counts[FIRST_FREE_LINK] = old
     maps.counts[FREE_LINKS] += size - old
-    return maps._replace(links=links)
+    return maps._replace(links=_grown(maps.links, size, None), next_links=next_links)
 
 
 def with_more_slots(maps: Maps, needed: int) -> Maps:

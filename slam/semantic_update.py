@@ -43,8 +43,29 @@ def update_semantics(
     narrow gate: neither is a desk evidence against the office around it, nor a glimpse of the office against the desk.
     The prior enters once, when the region is born, so (13) is applied to an inverse model completed with it.
     """
-    turned = np.zeros_like(measured[:1, 0])
-    evidence = np.zeros((near.shape[1], 4))  # supporting sum and number, opposing sum and number
+    turned, evidence = np.zeros_like(measured[:1, 0]), np.empty((near.shape[1], 4))
+    weigh_evidence(particles, maps, near, n_near, measured, candidates, n_candidates, turned[0], evidence, p, priors)
+
+
+@lean
+def weigh_evidence(
+    particles: Array,
+    maps: Record,
+    near: Array,
+    n_near: Array,
+    measured: Array,
+    candidates: Array,
+    n_candidates: Array,
+    turned: Record,
+    evidence: Array,
+    p: Record,
+    priors: Record,
+) -> None:
+    """Do what `update_semantics` says.
+
+    Scratch: `turned`, a `REGION`, and `evidence`, for each region nearby the sum and number of what supports it and of
+    what opposes it, shape (K, 4).
+    """
     place = maps.marks
     for i in range(len(particles)):
         for j in range(n_near[i]):
@@ -55,8 +76,8 @@ def update_semantics(
             if pair.distance < p.gate_associate:
                 m, z = region_of(maps, i, pair.slot), measured[pair.z, pair.turn]
                 if pair.turn_map:
-                    turn(m, 1, turned[0])
-                    m = turned[0]
+                    turn(m, 1, turned)
+                    m = turned
                 column = 0 if pair.same_type else 2
                 share, covered = covered_share(z, m, pair.offset, particles[i].pose)
                 opposes = pair.distance < SAME_PLACE and covered > OPPOSING_COVER * area(m)

@@ -62,9 +62,16 @@ def measured_relations(measured: Array, links: Array, tolerance: float, relation
 def shared_areas(measured: Array) -> Any:
     """Return what every two measurements have in common, shape (M, M), and the area of each, (M,); m²."""
     n = len(measured)
-    u, b, t = np.zeros((n, 4)), np.zeros((n, 3)), np.zeros((n, 3))
-    shared, size, circles = np.zeros((n, n)), np.zeros(n), bounding_circles(measured)
-    for i in range(n):
+    u, b, t = np.empty((n, 4)), np.empty((n, 3)), np.empty((n, 3))
+    shared, size = np.zeros((n, n)), np.empty(n)
+    share(measured, bounding_circles(measured), u, b, t, shared, size)
+    return shared, size
+
+
+@lean
+def share(measured: Array, circles: Array, u: Array, b: Array, t: Array, shared: Array, size: Array) -> None:
+    """Write what `shared_areas` returns; `u` (M, 4), `b` and `t` (M, 3) are scratch."""
+    for i in range(len(measured)):
         z = measured[i, 0]
         for k in range(z.n + 1):
             u[i, k] = z.state[u_index(k)]
@@ -80,7 +87,6 @@ def shared_areas(measured: Array) -> Any:
             shared[i, j] = shared[j, i] = rows_overlap(
                 0.0, 0.0, phi, u[i], b[i], t[i], z.n, 0.0, 0.0, phi_j, u[j], b[j], t[j], other.n
             )
-    return shared, size
 
 
 @lean
@@ -122,9 +128,26 @@ def update_topology(
     first time that it is more likely than not. Where either region was not measured nothing changes, eq. (15).
     """
     n = associations.shape[1]
-    measured_as = maps.marks
-    known, places = np.zeros((n, 2), np.bool_), np.zeros((n, 2))
+    known, places = np.empty((n, 2), np.bool_), np.empty((n, 2))
     news, ends = beginnings(relations)
+    update_links(particles, maps, associations, relations, news, ends, known, places, p, priors)
+
+
+@lean
+def update_links(
+    particles: Array,
+    maps: Record,
+    associations: Array,
+    relations: Array,
+    news: Array,
+    ends: Array,
+    known: Array,
+    places: Array,
+    p: Record,
+    priors: Record,
+) -> None:
+    """Do what `update_topology` says; `news` and `ends` are `beginnings`, `known` and `places` (M, 2) scratch."""
+    n, measured_as = associations.shape[1], maps.marks
     for i in range(len(associations)):
         pose = particles[i].pose
         c, s = np.cos(pose[2]), np.sin(pose[2])
@@ -209,7 +232,7 @@ def revise(
                 known[other, link.kind] = True
             change = gain(link.kind, value, m.type, maps.pool[maps.table[particle, link.target]].type, priors)
             link.log_odds = min(max(link.log_odds + change, -LIMIT), LIMIT)
-        index = link.next
+        index = maps.next_links[index]
 
 
 @lean

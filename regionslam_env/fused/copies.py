@@ -71,8 +71,8 @@ class Copies:
             key: np.zeros((n, *(space.shape or ())), space.dtype) for key, space in first.observation_space.items()
         }
         self._addresses = Addresses(n, kernels.ARRAYS)
-        self._pose_normals = np.zeros((n, config.n_particles, 3))
-        self._uniforms = np.zeros((n, config.n_particles))
+        self._pose_normals = list(np.zeros((n, config.n_particles, 3)))
+        self._uniforms = list(np.zeros((n, config.n_particles)))
         self._generators: list[Any] = [None] * n
         self._sample_sizes: list[Any] = [None] * n
         self._resample_below = config.resample_below * config.n_particles
@@ -140,9 +140,10 @@ class Copies:
         records["command"], records["declared"] = commands, declared
         self.stage[which] = STANDING
         for i in which.tolist():
+            generator = self._generators[i]
             if self._sample_sizes[i][0] < self._resample_below:
-                self._generators[i].random(out=self._uniforms[i])
-            self._generators[i].standard_normal(out=self._pose_normals[i])
+                generator.random(out=self._uniforms[i])
+            generator.standard_normal(out=self._pose_normals[i])
             self.envs[i].localizer.forget_belief()
         self._go_on(which)
 
@@ -157,16 +158,16 @@ class Copies:
 
     def _help(self, i: int) -> None:
         """Do for a copy what it has stopped for in its step."""
-        env, copy = self.envs[i], self.records[i]
-        if copy.stage == STANDING:
+        env, stage = self.envs[i], self.stage[i]
+        if stage == STANDING:
             env.simulation.touch()
-            copy.stage = MOVED
-        elif copy.stage == MOVED:
+            self.stage[i] = MOVED
+        elif stage == MOVED:
             for sensor in (env.odometry_sensor, env.lidar, env.region_sensor):
                 sensor.normals.refill()
-        elif copy.stage == SCANNED:
-            cloud = env.localizer.filter.posterior.cloud
-            cloud.make_room(env.region_sensor.measured, int(copy.demand[0]), int(copy.demand[1]))
+        elif stage == SCANNED:
+            cloud, demand = env.localizer.filter.posterior.cloud, self.records[i].demand
+            cloud.make_room(env.region_sensor.measured, int(demand[0]), int(demand[1]))
             self._addresses.put(i, kernels.MAPS, tuple(cloud.maps))
 
     def settle(self, i: int) -> tuple[float, bool, bool, dict[str, Any]]:

@@ -15,7 +15,7 @@ from regionslam_env.sensors.lidar import scan_ranges
 from regionslam_env.sensors.odometry import DRAWS as OF_MOTION
 from regionslam_env.sensors.odometry import measure_motion
 from regionslam_env.sensors.partial_row import DRAWS
-from regionslam_env.sensors.region_sensor import SOURCE, sense
+from regionslam_env.sensors.region_sensor import SOURCE, outline, sense
 from regionslam_env.simulation.driving import COLLIDED, THETA, drive
 from regionslam_env.tasks.approach import STAYED, TO_STAY, advance
 from regionslam_env.tasks.episode import STEPS, add_step, to_map
@@ -63,7 +63,6 @@ from slam.scan_update import resample, update_particles
     SOURCES,
     PLACES,
     SIGHTINGS,
-    VIEW,
     RECORDS,
     LINKS,
     COUNTS,
@@ -124,7 +123,6 @@ from slam.scan_update import resample, update_particles
     38,
     39,
     40,
-    41,
     51,
     52,
     53,
@@ -147,7 +145,7 @@ from slam.scan_update import resample, update_particles
 """Places of the arrays of a copy: of robot and world, episode, noise to come, lidar, region sensor, filter, rows of the
 observation, the way that is left and the place to be next, and the observation itself.
 
-Several arrays each: lists of what is near (three), maps (ten), fields of distances (nine)."""
+Several arrays each: lists of what is near (three), maps (eleven), fields of distances (nine)."""
 
 ARRAYS = 85
 
@@ -227,6 +225,8 @@ def step_all(
         Of an episode.
     """
     motion_noise, resampling, parameters, priors = filters
+    directions = senses[0]
+    view = np.empty(directions.T.shape)
     for i in which:
         copy, row = copies[i], table[i]
         if copy.stage == STANDING and move(copy, row, robot):
@@ -234,7 +234,7 @@ def step_all(
         if copy.stage == MOVED and measure(copy, row, odometry_variances, lidar, senses):
             predict_all(copy, row, motion_noise, resampling)
             copy.stage = SCANNED
-        if copy.stage == SCANNED and update(copy, row, parameters, priors):
+        if copy.stage == SCANNED and update(copy, row, directions, view, parameters, priors):
             copy.stage = UPDATED
             if line(row, PROGRESS, np.float64)[DOUBT] <= LOST:
                 copy.heaviest = moments(line(row, PARTICLES, PARTICLE), copy.mean, copy.cov)
@@ -333,7 +333,6 @@ def measure(
         room,
         of_regions[regions_used[0] :],
         line(row, SIGHTINGS, np.int64),
-        sheet(row, VIEW, np.float64),
         line(row, RECORDS, MEASUREMENT),
         line(row, LINKS, LINK),
     )
@@ -354,8 +353,14 @@ def predict_all(copy: Any, row: Row, noise: tuple[float, float, float], resampli
 
 
 @njit
-def update(copy: Any, row: Row, parameters: tuple[Any, ...], priors: tuple[Any, ...]) -> bool:
-    """Take a scan through a filter; return False, with nothing changed, if its arrays lack room."""
+def update(
+    copy: Any, row: Row, directions: Floats, view: Floats, parameters: tuple[Any, ...], priors: tuple[Any, ...]
+) -> bool:
+    """Take a scan through a filter; return False, with nothing changed, if its arrays lack room.
+
+    `view` is scratch for where the rays of these directions end.
+    """
+    outline(directions, line(row, RAYS, np.float64), view)
     counts, progress = line(row, COUNTS, np.int64), line(row, PROGRESS, np.float64)
     ess, doubt, demand = update_particles(
         line(row, PARTICLES, PARTICLE),
@@ -364,7 +369,7 @@ def update(copy: Any, row: Row, parameters: tuple[Any, ...], priors: tuple[Any, 
         line(row, TYPES, np.int64),
         line(row, LINKS, LINK)[: counts[1]],
         0,
-        sheet(row, VIEW, np.float64),
+        view,
         sheet(row, POSE_NORMALS, np.float64),
         int(progress[SCANS]),
         True,
@@ -479,9 +484,10 @@ def maps_at(row: Row) -> Any:
         line(row, MAPS + 2, np.int32),
         line(row, MAPS + 3, np.int32),
         line(row, MAPS + 4, LINK_BELIEF),
-        line(row, MAPS + 5, SLOT),
-        line(row, MAPS + 6, np.int32),
+        line(row, MAPS + 5, np.int32),
+        line(row, MAPS + 6, SLOT),
         line(row, MAPS + 7, np.int32),
-        line(row, MAPS + 8, np.int64),
+        line(row, MAPS + 8, np.int32),
         line(row, MAPS + 9, np.int64),
+        line(row, MAPS + 10, np.int64),
     )

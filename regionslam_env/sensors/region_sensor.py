@@ -100,8 +100,7 @@ class RegionSensor:
             config.link_confidence,
         )
         size = len(self._rows)
-        self._room = np.empty(self._n_rays), np.zeros(size, SOURCE), np.full(size, -1, np.int64)
-        self._view = np.zeros((self._n_rays, 2))
+        self._room = np.zeros(self._n_rays), np.zeros(size, SOURCE), np.full(size, -1, np.int64)
         self._records, self._links = np.zeros(size, MEASUREMENT), np.zeros(size * self._most_links, LINK)
         self._counts = np.zeros(2, np.int64)
         self._distorted: tuple[Scan, Ints] | None = None
@@ -132,7 +131,10 @@ class RegionSensor:
     def _exact_scan(self) -> Scan:
         """Return the last scan before anything is missed or invented."""
         count, links = self._counts.tolist()
-        view = self._view.copy() if self._sighted is None else np.concatenate((ROBOT, self._view[self._sighted]))
+        view = np.empty((self._n_rays, 2))
+        outline(self._given[2], self._room[0], view)
+        if self._sighted is not None:
+            view = np.concatenate((ROBOT, view[self._sighted]))
         return Scan.from_records(self._records[:count].copy(), self._types, self._links[:links].copy(), view)
 
     def measure(self, pose: NDArray[np.float64]) -> Scan:
@@ -149,7 +151,6 @@ class RegionSensor:
             self._room,
             self.normals.ahead(len(nearby) * DRAWS),
             self.sightings,
-            self._view,
             self._records,
             self._links,
         )
@@ -195,8 +196,8 @@ class RegionSensor:
 
     @property
     def room(self) -> tuple[NDArray[Any], ...]:
-        """Scratch, and what a measurement writes: rays, sources, places, sightings, view, records, links, counts."""
-        return (*self._room, self.sightings, self._view, self._records, self._links, self._counts)
+        """What a measurement writes: rays, sources, scratch for places, sightings, records, links, and their counts."""
+        return (*self._room, self.sightings, self._records, self._links, self._counts)
 
     def _near(self, x: float, y: float) -> tuple[Ints, Ints]:
         """Return the indices of walls and regions that may be within range, after a look at what has moved."""
@@ -224,21 +225,44 @@ def sense(
     room: tuple[Floats, NDArray[np.void], Ints],
     normals: Floats,
     sightings: Ints,
-    view: Floats,
     records: NDArray[np.void],
     links: NDArray[np.void],
 ) -> tuple[int, int]:
-    """Write view, measurements and links, and count the sightings; return how many measurements and links there are.
+    """Write rays, measurements and links, and count the sightings; return how many measurements and links there are.
 
-    `given` is what the sensor and its world are, and `room` holds its rays, the measurements' sources and their
-    places; for each of these, and the other arguments, see `cast`, `outline`, `scan_regions` and `write_links`.
+    `given` is what the sensor and its world are, and `room` holds the lengths of its rays, 0 outside the field of view,
+    the measurements' sources and their places; for each of these, and the other arguments, see `cast`, `scan_regions`
+    and `write_links`.
     """
     walls, rows, directions, open_rays, limits, told, gain, confidence, starts, neighbours, link_confidence = given
     ranges, sources, slots = room
     cast(x, y, theta, limits[0], directions, walls, near_walls, ranges)
-    outline(directions, ranges, open_rays, view)
+    for k in range(len(ranges)):
+        ranges[k] *= open_rays[k]
+    scratch = (
+        np.empty((2, len(ranges))),
+        np.empty((MAX_RECTANGLES, SIGHT)),
+        np.empty(MAX_RECTANGLES + 1),
+        np.empty(MAX_RECTANGLES),
+        np.empty(MAX_RECTANGLES),
+        np.empty(2 + 2 * MAX_RECTANGLES, np.int64),
+    )
     count = scan_regions(
-        x, y, theta, rows, nearby, directions, ranges, limits, told, gain, confidence, normals, sources, records
+        x,
+        y,
+        theta,
+        rows,
+        nearby,
+        directions,
+        ranges,
+        limits,
+        told,
+        gain,
+        confidence,
+        normals,
+        scratch,
+        sources,
+        records,
     )
     for k in range(count):
         sightings[sources[k].region] += 1
@@ -246,14 +270,13 @@ def sense(
 
 
 @lean
-def outline(directions: Floats, ranges: Floats, open_rays: Floats, view: Floats) -> None:
-    """Cut rays outside the field of view (`open_rays` 0, else 1) to nothing and write where all end, shape (n, 2)."""
+def outline(directions: Floats, ranges: Floats, view: Floats) -> None:
+    """Write where rays in these directions (2, n) and of these lengths end, shape (n, 2)."""
     for k in range(ranges.shape[0]):
-        ranges[k] *= open_rays[k]
         view[k, 0], view[k, 1] = directions[0, k] * ranges[k], directions[1, k] * ranges[k]
 
 
-@njit
+@lean
 def scan_regions(
     x: float,
     y: float,
@@ -267,6 +290,7 @@ def scan_regions(
     gain: float,
     confidence: float,
     normals: Floats,
+    scratch: tuple[Any, ...],
     sources: NDArray[np.void],
     records: NDArray[np.void],
 ) -> int:
@@ -288,15 +312,14 @@ def scan_regions(
         Stated probability of the type.
     normals
         Standard normal numbers, DRAWS for each measurement.
+    scratch
+        Where the rays end (2, n), what is seen of each rectangle, and a part of a row with the states of its edges.
     sources, records
         Written: where each measurement comes from, `SOURCE`, and the measurement.
     """
     reach, tolerance, closed_length = limits
-    sights = np.empty((MAX_RECTANGLES, SIGHT))
-    u, b, t = np.empty(MAX_RECTANGLES + 1), np.empty(MAX_RECTANGLES), np.empty(MAX_RECTANGLES)
-    states = np.empty(2 + 2 * MAX_RECTANGLES, np.int64)
-    ends, heading = np.empty((2, ranges.shape[0])), math.nan
-    c, s, axis, box = 0.0, 0.0, (0.0, 0.0), (0.0, 0.0, 0.0, 0.0)
+    ends, sights, u, b, t, states = scratch
+    heading, c, s, axis, box = math.nan, 0.0, 0.0, (0.0, 0.0), (0.0, 0.0, 0.0, 0.0)
     count = 0
     for j in nearby:
         row = rows[j]

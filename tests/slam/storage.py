@@ -37,11 +37,11 @@ def _check_links(maps: Maps, records: np.ndarray) -> None:
         index, before = int(maps.pool[record].first_link), len(seen)
         while index >= 0:
             seen.append(index)
-            index = int(maps.links[index].next)
+            index = int(maps.next_links[index])
         assert len(seen) - before == maps.pool[record].n_links
     index, before = int(maps.counts[FIRST_FREE_LINK]), len(seen)
     while index >= 0:
         seen.append(index)
-        index = int(maps.links[index].next)
+        index = int(maps.next_links[index])
     assert len(seen) - before == maps.counts[FREE_LINKS]
     assert sorted(seen) == list(range(len(maps.links)))

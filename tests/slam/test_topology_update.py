@@ -37,7 +37,7 @@ def links_of(maps: Maps, slot: int) -> Iterator[np.record]:
     count, index = 0, int(region_of(maps, 0, slot).first_link)
     while index >= 0:
         yield maps.links[index]
-        count, index = count + 1, int(maps.links[index].next)
+        count, index = count + 1, int(maps.next_links[index])
     assert count == region_of(maps, 0, slot).n_links
 
 
