@@ -58,6 +58,8 @@ class Copies:
         What is said of each before a step, and what its step brings: `COPY`.
     stage, progress, collided
         Columns of it, each of shape (N,).
+    lost
+        Whose filter is lost: they are stepped by themselves until it has found its place again, and loaded then.
     out
         Their observations.
     """
@@ -70,6 +72,7 @@ class Copies:
         self.out = out or {
             key: np.zeros((n, *(space.shape or ())), space.dtype) for key, space in first.observation_space.items()
         }
+        self.lost = np.zeros(n, np.bool_)
         self._addresses = Addresses(n, kernels.ARRAYS)
         self._pose_normals = list(np.zeros((n, config.n_particles, 3)))
         self._uniforms = list(np.zeros((n, config.n_particles)))
@@ -110,6 +113,7 @@ class Copies:
         put(i, kernels.IDS, observer.slots(env.belief.types))
         self._put_observation(i)
         self._generators[i], self._sample_sizes[i] = slam.rng, slam.posterior.sample_size
+        self.lost[i] = slam.lost
         self.aim(i)
 
     def _put_observation(self, i: int) -> None:
@@ -174,7 +178,7 @@ class Copies:
         """Let an environment itself judge the step of its copy, and write the observation; return the verdict."""
         env, copy = self.envs[i], self.records[i]
         odometry, declared = Odometry(*copy.odometry.tolist()), bool(copy.declared)
-        lost = env.localizer.notice_loss()
+        self.lost[i] = lost = env.localizer.notice_loss()
         if lost:
             env.note(odometry, copy.true_pose.copy())
         verdict = env.judge(copy.pose.copy(), bool(copy.collided), declared)

@@ -115,8 +115,7 @@ class NavigationVectorEnv(SyncVectorEnv):
         """Return which copies the kernels can step."""
         if not self._alike:
             return np.zeros(self.num_envs, np.bool_)
-        lost = np.fromiter((env.localizer.filter.lost for env in self.envs), np.bool_, self.num_envs)
-        return ~(starting | lost)
+        return ~(starting | self._copies.lost)
 
     def _step_alone(self, i: int, action: ArrayLike) -> Info:
         """Step one copy as any environment."""

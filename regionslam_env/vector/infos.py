@@ -32,8 +32,9 @@ def gather_infos(
         Terms of the rewards of those that were judged together; they are in none of the infos.
     """
     gathered: Info = {}
-    alone = [i for i, info in enumerate(infos) if TERMS in info]
-    for i, info in enumerate(infos):
+    spoken = [(i, info) for i, info in enumerate(infos) if info or i in last]
+    alone = [i for i, info in spoken if TERMS in info]
+    for i, info in spoken:
         if i in last:
             gathered = vector._add_info(gathered, last[i], i)
         if len(info) > (TERMS in info):
