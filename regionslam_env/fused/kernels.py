@@ -227,13 +227,18 @@ def step_all(
     motion_noise, resampling, parameters, priors = filters
     directions = senses[0]
     view = np.empty(directions.T.shape)
+    # Stage by stage, not copy by copy: the code of all stages does not stay in a processor's caches, that of one does.
     for i in which:
         copy, row = copies[i], table[i]
         if copy.stage == STANDING and move(copy, row, robot):
             copy.stage = MOVED
+    for i in which:
+        copy, row = copies[i], table[i]
         if copy.stage == MOVED and measure(copy, row, odometry_variances, lidar, senses):
             predict_all(copy, row, motion_noise, resampling)
             copy.stage = SCANNED
+    for i in which:
+        copy, row = copies[i], table[i]
         if copy.stage == SCANNED and update(copy, row, directions, view, parameters, priors):
             copy.stage = UPDATED
             if line(row, PROGRESS, np.float64)[DOUBT] <= LOST:
@@ -241,6 +246,8 @@ def step_all(
                 note(copy, row)
                 if judge(copy, row, max_steps):
                     copy.stage = JUDGED
+    for i in which:
+        copy, row = copies[i], table[i]
         if copy.stage == JUDGED:
             observe(copy, row, observer, max_steps)
             copy.stage = OBSERVED
