@@ -39,32 +39,29 @@ class EdgeState(IntEnum):
 REGION = np.dtype(
     (
         np.record,
-        np.dtype(
-            [
-                ("id", np.int64),  # of the first sighting, inherited by resampling
-                ("type", np.int64),  # index into the filter's list of types
-                ("level", np.int64),  # storey that it was seen on
-                ("n", np.int64),  # rectangles
-                ("main", np.int64),  # index of the main rectangle
-                ("sightings", np.int64),
-                ("last_seen", np.int64),  # number of the scan
-                ("first_link", np.int64),  # head of the list of links, -1 for none
-                ("n_links", np.int64),
-                ("rival", np.int64),  # slot of the more credible hypothesis for the same place, -1 for none
-                ("visited", np.int64),  # the robot has been inside
-                ("type_log_odds", np.float64),
-                ("type_prior", np.float64),  # log-odds of the prior p(m) that is part of it
-                ("existence", np.float64),  # log-odds
-                ("confidence", np.float64),  # p(z) of a measurement
-                ("radius", np.float64),  # of a circle about the anchor that holds the region, m
-                ("anchor", np.float64, (2,)),  # map frame, fixed at the first sighting
-                ("closed", np.int8, (MAX_STATE,)),  # edges: 0 open, 1 closed or joint; entry 0 (phi) is always 1
-                ("contrary", np.int8, (MAX_STATE,)),  # views beyond a closed edge, lately
-                ("state", np.float64, (MAX_STATE,)),
-                ("cov", np.float64, (MAX_STATE, MAX_STATE)),  # last, for what is used of it is mostly its beginning
-            ],
-            align=True,
-        ),
+        [
+            ("id", np.int64),  # of the first sighting, inherited by resampling
+            ("type", np.int64),  # index into the filter's list of types
+            ("level", np.int64),  # storey that it was seen on
+            ("n", np.int64),  # rectangles
+            ("main", np.int64),  # index of the main rectangle
+            ("sightings", np.int64),
+            ("last_seen", np.int64),  # number of the scan
+            ("first_link", np.int64),  # head of the list of links, -1 for none
+            ("n_links", np.int64),
+            ("rival", np.int64),  # slot of the more credible hypothesis for the same place, -1 for none
+            ("visited", np.int64),  # the robot has been inside
+            ("type_log_odds", np.float64),
+            ("type_prior", np.float64),  # log-odds of the prior p(m) that is part of it
+            ("existence", np.float64),  # log-odds
+            ("confidence", np.float64),  # p(z) of a measurement
+            ("radius", np.float64),  # of a circle about the anchor that holds the region, m
+            ("anchor", np.float64, (2,)),  # map frame, fixed at the first sighting
+            ("state", np.float64, (MAX_STATE,)),
+            ("cov", np.float64, (MAX_STATE, MAX_STATE)),
+            ("closed", np.int8, (MAX_STATE,)),  # edges: 0 open, 1 closed or joint; entry 0 (phi) is always 1
+            ("contrary", np.int8, (MAX_STATE,)),  # views beyond a closed edge, lately
+        ],
     )
 )
 """One region of a particle's map in edge form."""
