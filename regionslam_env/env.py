@@ -222,6 +222,7 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         self._n_actions = len(self.action_space.low)
         self._running = False
         self.fusible = can_be_fused(self)
+        self.known_to: Copies | None = None
         self._fused: Copies | None = None
         self._renderer: Renderer | TextRenderer | None = None
 
@@ -255,6 +256,7 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
     def _reset(self, chosen: ResetOptions) -> tuple[Observation, Info]:
         """Begin an episode, the seed being set."""
+        self.known_to = None
         mission_rng, odometry_rng, lidar_rng, region_rng, filter_rng, world_rng, movers_rng = self._generators()
         if chosen.keep_map:
             number = self._go_on(mission_rng, chosen)
@@ -275,8 +277,6 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         standing, pose = Odometry(0.0), self.simulation.pose
         self._perceive(standing, pose, self.episode.in_map(pose))
         observation = self.observe(standing, False)
-        if self._fused is not None:
-            self._fused.load(0)
         info: Info = {"mission": self.mission_text}
         if number is not None:
             info["world_seed"] = number
@@ -364,8 +364,9 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             raise ResetNeeded("there is no running episode: call env.reset() first")
         forward, turn, declared = read_action(action, self._n_actions)
         speed, turn_rate = forward * self.robot.max_speed, turn * self.robot.max_turn_rate
-        if self.fusible and not self.localizer.filter.lost:
+        if self.fusible and self.is_under_way:
             return self._step_fused(speed, turn_rate, declared)
+        self.known_to = None
         before = self.simulation.pose
         self.simulation.step(speed, turn_rate)
         pose, collided = self.simulation.pose, self.simulation.collided
@@ -375,9 +376,12 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         self.note(odometry, true_pose)
         reward, terminated, truncated, info = self.judge(pose, collided, declared)
         observation = self.observe(odometry, declared)
-        if self._fused is not None:
-            self._fused.load(0)
         return observation, reward, terminated, truncated, info
+
+    @property
+    def is_under_way(self) -> bool:
+        """Whether an episode is running and the filter knows where on its map the robot is."""
+        return self._running and not self.localizer.filter.lost
 
     def _step_fused(
         self, speed: float, turn_rate: float, declared: bool
@@ -508,7 +512,7 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
     def __getstate__(self) -> dict[str, Any]:
         """Pickle everything but pictures and addresses, so that an episode continues identically elsewhere."""
-        return self.__dict__ | {"_renderer": None, "_fused": None}
+        return self.__dict__ | {"_renderer": None, "_fused": None, "known_to": None}
 
     def _generators(self) -> list[np.random.Generator]:
         """Return the episode's own generators: of mission, every sensor, filter, world, and what moves.

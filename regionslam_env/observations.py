@@ -242,17 +242,17 @@ class Observer:
         ids, places, columns = self.slots(belief.types)
         size = self._sizes
         regions, links = np.zeros(self._regions_shape, np.float32), np.zeros(self._links_shape, np.float32)
-        observation: Observation = {
-            "pose": np.empty(4, np.float32),
-            "pose_cov": np.empty(9, np.float32),
-            "velocity": np.empty(2, np.float32),
-            "regions": regions.reshape(-1),
-            "regions_mask": np.zeros(size["regions_mask"], np.int8),
+        observation: Observation = {  # in the order of the space, which sorts its keys
+            "goal": np.zeros(size["goal"], np.float32),
+            "lidar": np.empty(size["lidar"], np.float32),
             "links": links.reshape(-1),
             "links_mask": np.zeros(size["links_mask"], np.int8),
-            "lidar": np.empty(size["lidar"], np.float32),
-            "goal": np.zeros(size["goal"], np.float32),
+            "pose": np.empty(4, np.float32),
+            "pose_cov": np.empty(9, np.float32),
             "progress": np.zeros(size["progress"], np.float32),
+            "regions": regions.reshape(-1),
+            "regions_mask": np.zeros(size["regions_mask"], np.int8),
+            "velocity": np.empty(2, np.float32),
         }
         write_senses(
             observation["pose"],

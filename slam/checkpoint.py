@@ -21,9 +21,9 @@ from slam.geojson import MapError
 from slam.measurement import MeasurementNoise
 from slam.motion import MotionNoise
 from slam.priors import TypePrior
-from slam.storage import load_arrays, save_arrays
+from slam.storage import load_arrays, save_arrays, with_dtypes
 
-KIND, VERSION = "regionslam filter", 1
+KIND, VERSION = "regionslam filter", 2
 
 SETTINGS = {cls.__name__: cls for cls in (SlamConfig, MotionNoise, MeasurementNoise, TypePrior)}
 """Classes that settings are made of."""
@@ -48,7 +48,7 @@ def load_checkpoint(path: str | os.PathLike[str], dtypes: Mapping[str, Any]) -> 
         If the file is damaged, no filter's, or of a version that is not known.
     """
     name = os.fspath(path)
-    arrays = load_arrays(path, dtypes)
+    arrays = load_arrays(path)
     about, digest = arrays.pop("about", None), arrays.pop("digest", None)
     try:
         text = str(about)
@@ -62,7 +62,7 @@ def load_checkpoint(path: str | os.PathLike[str], dtypes: Mapping[str, Any]) -> 
         raise MapError(f"{name}: version is {version!r}, expected {VERSION}")
     if str(digest) != _digest(text, arrays):
         raise MapError(f"{name}: the file is damaged (its digest does not match its content)")
-    return content, arrays
+    return content, with_dtypes(path, arrays, dtypes)
 
 
 def _digest(text: str, arrays: Arrays) -> str:

@@ -82,21 +82,28 @@ def load_arrays(path: str | os.PathLike[str], dtypes: Mapping[str, Any] | None =
     MapError
         If the file is no such file, or an array is missing or of another dtype.
     """
-    name = os.fspath(path)
     try:
         with np.load(path, allow_pickle=False) as stored:
             arrays = {key: stored[key] for key in stored.files}
     except FileNotFoundError:
         raise
     except Exception as error:  # numpy raises whatever its zip reader does: BadZipFile, ValueError, EOFError, ...
-        raise MapError(f"{name}: not a file of arrays ({error})") from None
-    for key, dtype in (dtypes or {}).items():
+        raise MapError(f"{os.fspath(path)}: not a file of arrays ({error})") from None
+    return with_dtypes(path, arrays, dtypes or {})
+
+
+def with_dtypes(
+    path: str | os.PathLike[str], arrays: Mapping[str, NDArray[Any]], dtypes: Mapping[str, Any]
+) -> dict[str, NDArray[Any]]:
+    """Return arrays of a file as the dtypes that are expected; MapError if one is missing or of another dtype."""
+    seen = dict(arrays)
+    for key, dtype in dtypes.items():
         if key not in arrays:
-            raise MapError(f"{name}: {key} is missing, expected an array of dtype {dtype}")
+            raise MapError(f"{os.fspath(path)}: {key} is missing, expected an array of dtype {dtype}")
         if arrays[key].dtype != _plain(np.zeros(0, dtype)).dtype:
-            raise MapError(f"{name}: {key} has dtype {arrays[key].dtype}, expected {dtype}")
-        arrays[key] = arrays[key].view(dtype)
-    return arrays
+            raise MapError(f"{os.fspath(path)}: {key} has dtype {arrays[key].dtype}, expected {dtype}")
+        seen[key] = arrays[key].view(dtype)
+    return seen
 
 
 def _plain(array: NDArray[Any]) -> NDArray[Any]:

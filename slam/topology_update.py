@@ -197,7 +197,10 @@ def begins_link(evidence: float, kind: int) -> bool:
 
 @lean
 def locate(relations: Array, x0: float, y0: float, c: float, s: float, places: Array) -> None:
-    """Write the contacts of one measurement's links in the map frame, (M, 2), from (x0, y0) and heading (c, s)."""
+    """Write the contacts of one measurement's links in the map frame, from (x0, y0) and heading (c, s).
+
+    Of `places` (M, 2) only the rows of what is adjacent are written.
+    """
     for i in range(len(relations)):
         if relations[i, ADJACENT] != 0.0:
             x, y = relations[i, 2], relations[i, 3]
@@ -250,6 +253,9 @@ def remember(
     """Add a link: its prior and its first evidence."""
     link = add_link(maps, m)
     link.target, link.target_id, link.kind = target, maps.slots[target].id, kind
-    link.place[0], link.place[1] = place[0], place[1]
+    if kind == ADJACENT:
+        link.place[0], link.place[1] = place[0], place[1]
+    else:
+        link.place[0] = link.place[1] = 0.0
     first = prior_of(kind, m.type, second_type, priors) + gain(kind, evidence, m.type, second_type, priors)
     link.log_odds = min(max(first, -LIMIT), LIMIT)

@@ -44,10 +44,12 @@ class Addresses:
         self._held: list[list[NDArray[Any] | None]] = [[None] * arrays for _ in range(owners)]
 
     def put(self, owner: int, first: int, arrays: Sequence[NDArray[Any]]) -> None:
-        """Enter arrays, contiguous and of one or two dimensions, from place `first` on."""
+        """Enter arrays of one or two dimensions from place `first` on; ValueError for one that is not contiguous."""
         row, held = self.table[owner], self._held[owner]
         for place, array in enumerate(arrays, first):
             if held[place] is not array:
+                if not array.flags.c_contiguous:
+                    raise ValueError(f"array {place} is not contiguous")
                 held[place] = array
                 shape = array.shape if array.ndim == 2 else (len(array), 1)
                 row[WORDS * place : WORDS * (place + 1)] = (array.__array_interface__["data"][0], *shape)

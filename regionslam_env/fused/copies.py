@@ -1,14 +1,15 @@
 """Environments of one kind as kernels see them: a record and a row of addresses each.
 
 Everything that changes from step to step stands in arrays that the parts of an environment share with the kernels: a
-step by kernels and one by Python follow each other as they like. Only arrays that are replaced (a new world, a map that
-has outgrown its own) have to be told, by `load`.
+step by kernels and one by Python follow each other as they like. Arrays are replaced, too (a new world, a map that has
+outgrown its own): whoever does that, or may have done it, sets `known_to` of the environment to None, and `Copies` take
+hold of the arrays again before the next step. So do other `Copies` of the same environment.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numba
 import numpy as np
@@ -35,11 +36,13 @@ MOST_STEPS = 2**63 - 1
 def can_be_fused(env: SemanticNavigationEnv) -> bool:
     """Say whether the kernels do all that a step of an environment does.
 
-    They know the filter, a world that stands still, and a sensor that sees all around and makes no mistakes.
+    They know particles that the filter itself draws, a world that stands still, and a sensor that sees all around and
+    makes no mistakes.
     """
-    sensor, still = env.region_sensor, not isinstance(env.simulation, DynamicSimulation)
-    exact = sensor.is_exact and sensor.sees_all_around
-    return env.localization == "slam" and still and exact and not numba.config.DISABLE_JIT
+    if numba.config.DISABLE_JIT or isinstance(env.simulation, DynamicSimulation) or env.localization != "slam":
+        return False
+    sampled = env.localizer.filter.config.posterior == "fastslam2"
+    return sampled and env.region_sensor.is_exact and env.region_sensor.sees_all_around
 
 
 class Copies:
@@ -48,7 +51,7 @@ class Copies:
     Parameters
     ----------
     envs
-        Of the same arguments, each reset once.
+        Of the same arguments, each reset before its first step.
     out
         Where their observations are written, an array of shape (N, size) for every key; None: arrays of their own.
 
@@ -58,8 +61,6 @@ class Copies:
         What is said of each before a step, and what its step brings: `COPY`.
     stage, progress, collided
         Columns of it, each of shape (N,).
-    lost
-        Whose filter is lost: they are stepped by themselves until it has found its place again, and loaded then.
     out
         Their observations.
     """
@@ -72,7 +73,6 @@ class Copies:
         self.out = out or {
             key: np.zeros((n, *(space.shape or ())), space.dtype) for key, space in first.observation_space.items()
         }
-        self.lost = np.zeros(n, np.bool_)
         self._addresses = Addresses(n, kernels.ARRAYS)
         self._pose_normals = list(np.zeros((n, config.n_particles, 3)))
         self._uniforms = list(np.zeros((n, config.n_particles)))
@@ -88,33 +88,32 @@ class Copies:
             (
                 (noise.distance, noise.heading_per_metre, noise.heading_per_radian),
                 (self._resample_below, SCHEMES.index(config.resampling)),
+                config.relocalise,
                 tuple(config.parameters()),
                 tuple(config.priors()),
             ),
             (observer.limits, len(observer.types), config.confirmed_after),
         )
-        for i in range(n):
-            self.load(i)
 
-    def load(self, i: int) -> None:
+    def _take_hold(self, i: int) -> None:
         """Take hold of the arrays of an environment, and of what it has to do."""
         env, put = self.envs[i], self._addresses.put
         robot, episode, slam = env.simulation, env.episode, env.localizer.filter
-        assert isinstance(slam.posterior, SampledPosterior)
+        posterior = cast(SampledPosterior, slam.posterior)
         noises = env.odometry_sensor.normals, env.lidar.normals, env.region_sensor.normals
         noise = [array for normals in noises for array in (normals.numbers, normals.used)]
-        cloud, sensor, observer = slam.posterior.cloud, env.region_sensor, env.observer
+        cloud, sensor, observer = posterior.cloud, env.region_sensor, env.observer
         put(i, kernels.STATE, robot.arrays)
         put(i, kernels.FRAME, (episode.frame, episode.book, episode.pose_errors.sums))
         put(i, kernels.MOTION_NORMALS, (*noise, self._pose_normals[i], self._uniforms[i]))
         put(i, kernels.SEGMENTS, (*env.lidar.surroundings, env.lidar.ranges))
         put(i, kernels.WALLS, (*sensor.surroundings, *sensor.room, slam.type_numbers(sensor.types)))
-        put(i, kernels.PARTICLES, (cloud.particles, *cloud.maps, slam.progress, slam.posterior.sample_size))
+        put(i, kernels.PARTICLES, (cloud.particles, *cloud.maps, slam.progress, posterior.sample_size))
         put(i, kernels.IDS, observer.slots(env.belief.types))
         self._put_observation(i)
-        self._generators[i], self._sample_sizes[i] = slam.rng, slam.posterior.sample_size
-        self.lost[i] = slam.lost
-        self.aim(i)
+        self._generators[i], self._sample_sizes[i] = slam.rng, posterior.sample_size
+        self._aim(i)
+        env.known_to = self
 
     def _put_observation(self, i: int) -> None:
         out, columns = self.out, LINK_COLUMNS
@@ -124,7 +123,7 @@ class Copies:
         put = (*senses, regions, out["regions_mask"][i], links, out["links_mask"][i])
         self._addresses.put(i, kernels.POSE, put)
 
-    def aim(self, i: int) -> None:
+    def _aim(self, i: int) -> None:
         """Take over what an environment has to do now."""
         env, copy = self.envs[i], self.records[i]
         copy.goal, copy.kind, copy.completed = *env.observer.aimed, env.task.completed
@@ -144,20 +143,28 @@ class Copies:
         records["command"], records["declared"] = commands, declared
         self.stage[which] = STANDING
         for i in which.tolist():
+            env = self.envs[i]
+            if env.known_to is not self:
+                self._take_hold(i)
             generator = self._generators[i]
             if self._sample_sizes[i][0] < self._resample_below:
                 generator.random(out=self._uniforms[i])
             generator.standard_normal(out=self._pose_normals[i])
-            self.envs[i].localizer.forget_belief()
+            env.localizer.forget_belief()
         self._go_on(which)
 
     def _go_on(self, which: Ints) -> None:
         """Take some of them through the rest of their steps, with whatever help they need."""
         settings = (*self._settings, min(self.envs[0].max_steps, MOST_STEPS))
+        helped: dict[int, int] = {}
         while len(which):
             kernels.step_all(which, self.records, self._addresses.table, *settings)
             which = which[self.stage[which] < UPDATED]
             for i in which.tolist():
+                stage = int(self.stage[i])
+                if helped.get(i) == stage:
+                    raise RuntimeError(f"copy {i} doesn't get beyond stage {stage} of its step, whatever it is given")
+                helped[i] = stage
                 self._help(i)
 
     def _help(self, i: int) -> None:
@@ -178,7 +185,7 @@ class Copies:
         """Let an environment itself judge the step of its copy, and write the observation; return the verdict."""
         env, copy = self.envs[i], self.records[i]
         odometry, declared = Odometry(*copy.odometry.tolist()), bool(copy.declared)
-        self.lost[i] = lost = env.localizer.notice_loss()
+        lost = env.localizer.notice_loss()
         if lost:
             env.note(odometry, copy.true_pose.copy())
         verdict = env.judge(copy.pose.copy(), bool(copy.collided), declared)
@@ -186,7 +193,7 @@ class Copies:
             for key, value in env.observe(odometry, declared).items():
                 self.out[key][i] = value
         else:
-            self.aim(i)
+            self._aim(i)
             copy.stage = JUDGED
             self._go_on(np.array([i]))
         return verdict

@@ -217,14 +217,14 @@ def step_all(
     senses
         `RegionSensor.settings`.
     filters
-        Told variances of the odometry; effective sample size below which to resample, and the scheme; parameters and
-        priors.
+        Told variances of the odometry; effective sample size below which to resample, and the scheme; whether to notice
+        that the filter is lost; parameters and priors.
     observer
         Limits as `write_senses` takes them, numbers of semantic types, and of sightings of a region that is confirmed.
     max_steps
         Of an episode.
     """
-    motion_noise, resampling, parameters, priors = filters
+    motion_noise, resampling, watchful, parameters, priors = filters
     directions = senses[0]
     view = np.empty(directions.T.shape)
     # Stage by stage, not copy by copy: the code of all stages does not stay in a processor's caches, that of one does.
@@ -239,7 +239,7 @@ def step_all(
             copy.stage = SCANNED
     for i in which:
         copy, row = copies[i], table[i]
-        if copy.stage == SCANNED and update(copy, row, directions, view, parameters, priors):
+        if copy.stage == SCANNED and update(copy, row, directions, view, watchful, parameters, priors):
             copy.stage = UPDATED
             if line(row, PROGRESS, np.float64)[DOUBT] <= LOST:
                 copy.heaviest = moments(line(row, PARTICLES, PARTICLE), copy.mean, copy.cov)
@@ -361,7 +361,13 @@ def predict_all(copy: Any, row: Row, noise: tuple[float, float, float], resampli
 
 @njit
 def update(
-    copy: Any, row: Row, directions: Floats, view: Floats, parameters: tuple[Any, ...], priors: tuple[Any, ...]
+    copy: Any,
+    row: Row,
+    directions: Floats,
+    view: Floats,
+    watchful: bool,
+    parameters: tuple[Any, ...],
+    priors: tuple[Any, ...],
 ) -> bool:
     """Take a scan through a filter; return False, with nothing changed, if its arrays lack room.
 
@@ -379,7 +385,7 @@ def update(
         view,
         sheet(row, POSE_NORMALS, np.float64),
         int(progress[SCANS]),
-        True,
+        watchful,
         parameters,
         priors,
     )

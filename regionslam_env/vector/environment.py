@@ -56,7 +56,7 @@ class NavigationVectorEnv(SyncVectorEnv):
         make = partial(env_type, **kwargs)
         super().__init__([make] * whole_number("num_envs", num_envs), copy=copy, autoreset_mode=autoreset_mode)
         self._alike = can_step_together(self.envs)
-        self._copies: Any = None  # `Copies`, from the first reset on, of what kernels can step
+        self._copies: Copies | None = None  # from the first step on that is taken together
         self._was_reset = False
 
     def reset(self, *, seed: Any = None, options: dict[str, Any] | None = None) -> tuple[Observation, Info]:
@@ -64,7 +64,6 @@ class NavigationVectorEnv(SyncVectorEnv):
         self._env_obs = [self._row(i) for i in range(self.num_envs)]  # type: ignore[misc]
         result = super().reset(seed=seed, options=options)
         self._was_reset = True
-        self._load()
         return result
 
     def step(self, actions: ArrayLike) -> tuple[Observation, NDArray[np.float64], Flags, Flags, Info]:
@@ -115,7 +114,8 @@ class NavigationVectorEnv(SyncVectorEnv):
         """Return which copies the kernels can step."""
         if not self._alike:
             return np.zeros(self.num_envs, np.bool_)
-        return ~(starting | self._copies.lost)
+        ready = np.fromiter((env.is_under_way for env in self.envs), np.bool_, self.num_envs)
+        return ready & ~starting
 
     def _step_alone(self, i: int, action: ArrayLike) -> Info:
         """Step one copy as any environment."""
@@ -125,6 +125,8 @@ class NavigationVectorEnv(SyncVectorEnv):
 
     def _step_together(self, which: NDArray[np.int64], shares: Any, declared: Flags, infos: list[Info]) -> Terms:
         """Step copies by kernels; return the terms of their rewards that were judged there."""
+        if self._copies is None:
+            self._copies = Copies(self.envs, self._observations)
         copies, robot = self._copies, self.envs[0].robot
         copies.step(which, shares * np.array([robot.max_speed, robot.max_turn_rate]), declared)
         is_quiet = copies.stage[which] == OBSERVED
@@ -133,11 +135,13 @@ class NavigationVectorEnv(SyncVectorEnv):
         quiet, whose = which[is_quiet], np.zeros(self.num_envs, np.bool_)
         self._rewards[quiet], self._terminations[quiet], self._truncations[quiet] = 0.0, False, False
         whose[quiet] = True
-        return whose, self._judge_together(quiet, infos)
+        return whose, self._judge_together(copies, quiet, infos)
 
-    def _judge_together(self, which: NDArray[np.int64], infos: list[Info]) -> dict[str, NDArray[np.float64]]:
+    def _judge_together(
+        self, copies: Copies, which: NDArray[np.int64], infos: list[Info]
+    ) -> dict[str, NDArray[np.float64]]:
         """Write the rewards of steps that end nothing; return their terms, each of shape (N,)."""
-        copies, terms = self._copies, {}
+        terms = {}
         for name, values in self.envs[0].task.quiet_terms(copies.progress[which], copies.collided[which]).items():
             terms[name] = np.zeros(self.num_envs)
             terms[name][which] = values
@@ -153,16 +157,9 @@ class NavigationVectorEnv(SyncVectorEnv):
         return info
 
     def _write(self, i: int, observation: Observation) -> None:
-        """Take over the observation of a copy that was stepped or reset by itself, and the arrays that it has now."""
+        """Take over the observation of a copy that was stepped or reset by itself."""
         for key, value in observation.items():
             self._observations[key][i] = value
-        if self._copies is not None:
-            self._copies.load(i)
-
-    def _load(self) -> None:
-        """Take over what somebody may have changed."""
-        self._alike = can_step_together(self.envs)
-        self._copies = Copies(self.envs, self._observations) if self._alike and self._was_reset else None
 
     def _row(self, i: int) -> Observation:
         return {key: rows[i].copy() for key, rows in self._observations.items()}
@@ -170,21 +167,17 @@ class NavigationVectorEnv(SyncVectorEnv):
     def call(self, name: str, *args: Any, **kwargs: Any) -> tuple[Any, ...]:
         """Call a method of every copy, or return an attribute."""
         results = super().call(name, *args, **kwargs)
-        self._load()
+        self._alike = can_step_together(self.envs)
         return results
 
     def set_attr(self, name: str, values: Any) -> None:
         """Set an attribute of every copy to one value, or to each its own of a list."""
         super().set_attr(name, values)
-        self._load()
+        self._alike = can_step_together(self.envs)
 
     def __getstate__(self) -> dict[str, Any]:
         """Pickle everything but addresses."""
         return self.__dict__ | {"_copies": None}
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__dict__.update(state)
-        self._load()
 
 
 def can_step_together(envs: Sequence[SemanticNavigationEnv]) -> bool:

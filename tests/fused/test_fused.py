@@ -1,13 +1,18 @@
 """A step in one compiled call gives what the same step gives part by part, bit by bit."""
 
 import pickle
+from dataclasses import replace
 
 import gymnasium
 import numpy as np
 import pytest
 
+from regionslam_env.envs.goto import GoToEnv
 from regionslam_env.errors import ConfigError
 from regionslam_env.registration import ENVIRONMENTS
+from regionslam_env.sensors.normals import Normals
+from slam.fastslam import DOUBT
+from slam.lost import LOST
 from tests.floors import two_rooms
 
 pytestmark = pytest.mark.compiled
@@ -16,7 +21,7 @@ GOTO = "RegionSLAM/GoTo-v0"
 
 
 def pair(env_id=GOTO, world=None, **kwargs):
-    """An environment that steps in one call, and one that steps part by part."""
+    """Two environments, one of which steps in one call, the other part by part."""
     fused, parted = (gymnasium.make(env_id, world=world or two_rooms(), **kwargs) for _ in range(2))
     assert fused.unwrapped.fusible and parted.unwrapped.fusible
     parted.unwrapped.fusible = False
@@ -24,14 +29,15 @@ def pair(env_id=GOTO, world=None, **kwargs):
 
 
 def assert_same(one, other):
-    assert one.keys() == other.keys()
+    assert list(one) == list(other)
     for key, value in one.items():
         if isinstance(value, dict):
             assert_same(value, other[key])
         elif isinstance(value, np.ndarray):
             assert value.dtype == other[key].dtype and value.tobytes() == other[key].tobytes()
         else:
-            assert (type(value), value) == (type(other[key]), other[key]) or value != value
+            assert type(value) is type(other[key])
+            assert value == other[key] or (value != value and other[key] != other[key])
 
 
 def drive_both(fused, parted, steps, seed=0):
@@ -45,6 +51,7 @@ def drive_both(fused, parted, steps, seed=0):
         assert_same(one[0], other[0])
         assert one[1:4] == other[1:4]
         assert_same(one[4], other[4])
+        assert fused.unwrapped.belief.ess == parted.unwrapped.belief.ess
         if one[2] or one[3]:
             ended += 1
             assert_same(fused.reset()[0], parted.reset()[0])
@@ -59,6 +66,9 @@ def drive_both(fused, parted, steps, seed=0):
         ("RegionSLAM/Explore-v0", {"max_steps": 80, "map_share": 0.5}),
         ("RegionSLAM/Mission-v0", {"max_steps": 80}),
         ("RegionSLAM/Mission-Declare-v0", {"max_steps": 80, "mission": "explore, then return", "map_share": 0.1}),
+        (GOTO, {"max_steps": 80, "n_particles": 1, "noise": "heavy", "occlusion": False}),
+        (GOTO, {"max_steps": 80, "reward": {"collision": -1, "time": -0.1}, "render_mode": "rgb_array"}),
+        (GOTO, {"max_steps": 60, "world": "apartment", "world_options": {"size": 5}}),  # a new one in each episode
     ],
 )
 def test_same_as_part_by_part(env_id, kwargs):
@@ -67,12 +77,23 @@ def test_same_as_part_by_part(env_id, kwargs):
     assert drive_both(fused, parted, 200) >= 2
 
 
+class Eager(GoToEnv):
+    """Resamples whenever its particles differ a little in weight."""
+
+    def _slam_config(self, n_particles):
+        return replace(super()._slam_config(n_particles), resample_below=0.9)
+
+
 def test_same_where_maps_outgrow_their_room_and_particles_are_resampled():
-    fused, parted = pair(world="institute", n_particles=40)
+    fused, parted = (Eager(world="institute", n_particles=40) for _ in range(2))
+    parted.fusible = False
     fused.reset(seed=0), parted.reset(seed=0)
-    before = len(fused.unwrapped.belief.maps.pool)
-    drive_both(fused, parted, 30)
-    assert len(fused.unwrapped.belief.maps.pool) > before
+    before, fewest = len(fused.belief.maps.pool), np.inf
+    for k in range(30):
+        drive_both(fused, parted, 1, seed=k)
+        fewest = min(fewest, fused.belief.ess)
+    assert len(fused.belief.maps.pool) > before
+    assert fewest < 0.9 * 40
 
 
 def test_steps_in_one_call_and_part_by_part_take_turns():
@@ -113,6 +134,50 @@ def test_a_filter_that_gets_lost_and_lifelong_mapping():
     with pytest.raises(ConfigError):
         fused.reset(options={"goal": "harbour"})
     drive_both(fused, parted, 5)
+    carried = {"keep_map": True, "start": (9.0, 2.0, 1.0)}
+    assert_same(*(env.reset(options=dict(carried))[0] for env in (fused, parted)))
+    drive_both(fused, parted, 20)
+
+
+class Trusting(GoToEnv):
+    """Never takes its filter for lost."""
+
+    def _slam_config(self, n_particles):
+        return replace(super()._slam_config(n_particles), relocalise=False)
+
+
+class Joint(GoToEnv):
+    """Maps with the joint posterior."""
+
+    def _slam_config(self, n_particles):
+        return replace(super()._slam_config(n_particles), posterior="joint", relocalise=False)
+
+
+def test_settings_of_the_filter_count():
+    fused, parted = Trusting(world=two_rooms()), Trusting(world=two_rooms())
+    parted.fusible = False
+    fused.reset(seed=5), parted.reset(seed=5)
+    drive_both(fused, parted, 10)
+    for env in (fused, parted):
+        env.localizer.filter.progress[DOUBT] = 0.9 * LOST
+        env.simulation.reset(1.0, 3.0, 2.5)  # somewhere else, unseen
+    drive_both(fused, parted, 25)
+    assert not fused.belief.lost
+    assert not Joint(world=two_rooms()).fusible
+
+
+def test_observations_come_in_the_order_of_the_space():
+    env, _ = pair()
+    first, _ = env.reset(seed=0)
+    assert list(first) == list(env.observation_space) == list(env.step(env.action_space.sample())[0])
+
+
+def test_what_does_not_get_on_is_no_endless_loop(monkeypatch):
+    env, _ = pair()
+    env.reset(seed=0)
+    monkeypatch.setattr(Normals, "refill", lambda normals: None)
+    with pytest.raises(RuntimeError, match="copy 0 doesn't get beyond stage 1"):
+        env.step(env.action_space.sample())
 
 
 def test_a_pickled_episode_goes_on_identically():

@@ -178,6 +178,12 @@ def test_links_stay_at_their_edge_when_a_region_is_described_anew() -> None:
     assert two.by_edge() == {"b": pytest.approx(2.0)}
 
 
+def test_a_containment_has_no_place() -> None:
+    two = Two()
+    two.scan({(0, 1, INSIDE): 2.0}, contact=(3.0, 0.0))
+    assert [link.place.tolist() for link in links_of(two.maps, 0)] == [[0.0, 0.0]]
+
+
 def test_a_link_to_a_region_that_is_gone_is_forgotten() -> None:
     two = Two()
     two.scan({(0, 1, ADJACENT): 1.0})

@@ -186,6 +186,46 @@ def test_options_of_a_reset_and_lifelong_mapping(floor):
     drive_both(ours, theirs, 15)
 
 
+def refuse(**kwargs):
+    raise ConfigError("not today")
+
+
+def test_a_reset_that_one_copy_refuses_counts_for_those_before():
+    kwargs = {"world": "apartment", "world_options": {"size": 5}}
+    ours, theirs = native(GOTO, 2, **kwargs), sync(GOTO, 2, **kwargs)
+    ours.reset(seed=7), theirs.reset(seed=7)
+    drive_both(ours, theirs, 5)
+    for envs in (ours, theirs):
+        second = envs.envs[1].unwrapped
+        second.reset = refuse
+        with pytest.raises(ConfigError, match="not today"):
+            envs.reset()
+        del second.reset
+    drive_both(ours, theirs, 20)
+
+
+def test_no_episode_goes_on_after_its_end_where_the_next_one_is_refused(floor):
+    ours, theirs = (make(GOTO, 2, world=floor, max_steps=3, autoreset_mode="Disabled") for make in (native, sync))
+    for envs in (ours, theirs):
+        envs.reset(seed=0)
+        for _ in range(3):
+            envs.step(np.zeros((2, 2), np.float32))
+        with pytest.raises(ConfigError, match="harbour"):
+            envs.reset(options={"goal": "harbour"})
+        with pytest.raises(ResetNeeded):
+            envs.step(np.zeros((2, 2), np.float32))
+
+
+def test_steps_together_and_alone_take_turns_while_maps_outgrow_their_room():
+    ours, theirs = native(GOTO, 2, n_particles=40), sync(GOTO, 2, n_particles=40)
+    ours.reset(seed=0), theirs.reset(seed=0)
+    before = len(ours.envs[0].belief.maps.pool)
+    for limits in ([900, 1000], [1000, 1000], [900, 1000], [1000, 1000]):
+        ours.set_attr("max_steps", limits), theirs.set_attr("max_steps", limits)
+        drive_both(ours, theirs, 2 if limits[0] == 900 else 20)
+    assert len(ours.envs[0].belief.maps.pool) > before
+
+
 def test_a_pickled_one_goes_on_identically(floor):
     first = native(GOTO, world=floor, max_steps=20)
     first.reset(seed=0)
