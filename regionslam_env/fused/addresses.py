@@ -48,8 +48,8 @@ class Addresses:
         row, held = self.table[owner], self._held[owner]
         for place, array in enumerate(arrays, first):
             if held[place] is not array:
-                if not array.flags.c_contiguous:
-                    raise ValueError(f"array {place} is not contiguous")
+                if not array.flags.c_contiguous or array.dtype.hasobject:
+                    raise ValueError(f"array {place} ({array.dtype}) is no contiguous array of numbers")
                 held[place] = array
                 shape = array.shape if array.ndim == 2 else (len(array), 1)
                 row[WORDS * place : WORDS * (place + 1)] = (array.__array_interface__["data"][0], *shape)

@@ -68,7 +68,7 @@ class Approach:
         self.place, self._beyond = place, beyond
         self.field: Field = place if beyond is None else geodesic.field_through(place, beyond.field)
         self._declares = settings.declares
-        to_stay = math.inf if settings.declares else max(1, math.ceil(STAY_SECONDS / settings.step - 1e-9))
+        to_stay = math.inf if settings.declares else max(1.0, np.ceil(STAY_SECONDS / settings.step - 1e-9))
         self.state = np.array([math.inf, 0.0, to_stay])
 
     def begin(self, remaining: float) -> None:

@@ -27,7 +27,8 @@ class NavigationVectorEnv(SyncVectorEnv):
     """Copies of one environment, as `gymnasium.vector.SyncVectorEnv` would step them, bit by bit, and faster.
 
     Made by ``gymnasium.make_vec(id, num_envs=64, vectorization_mode="vector_entry_point", **kwargs)``. What the kernels
-    do not know (another rung of the ladder, things that move, a filter that is lost) is stepped copy by copy.
+    do not know (another rung of the ladder, things that move, a region sensor with a narrow view or mistakes, a filter
+    that is lost) is stepped copy by copy, and so are copies that draw pictures or differ in what was set by `set_attr`.
 
     Parameters
     ----------

@@ -9,6 +9,7 @@ import pytest
 
 from regionslam_env.envs.goto import GoToEnv
 from regionslam_env.errors import ConfigError
+from regionslam_env.fused.addresses import Addresses
 from regionslam_env.registration import ENVIRONMENTS
 from regionslam_env.sensors.normals import Normals
 from slam.fastslam import DOUBT
@@ -219,3 +220,16 @@ def test_what_the_kernels_do_not_know(env_id, kwargs):
     assert not env.unwrapped.fusible
     env.reset(seed=0)
     env.step(env.action_space.sample())
+
+
+def test_steps_that_are_hardly_any_time():
+    fused, parted = pair(robot={"step": 1e-300})
+    fused.reset(seed=0), parted.reset(seed=0)
+    drive_both(fused, parted, 3)
+    assert fused.unwrapped.task.approach.state.dtype == np.float64
+
+
+@pytest.mark.parametrize("array", [np.array([10**300]), np.zeros((4, 4))[:, 0]])
+def test_only_arrays_of_numbers_have_addresses(array):
+    with pytest.raises(ValueError, match="no contiguous array of numbers"):
+        Addresses(1, 1).put(0, 0, (array,))
