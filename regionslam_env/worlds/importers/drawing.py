@@ -189,7 +189,7 @@ def cleaned(shape: Any) -> shapely.Polygon:
         points = points[:: -(-len(points) // MOST_POINTS)] if len(points) else points
         if len(points) < 3 or not np.isfinite(points).all():
             return shapely.Polygon()
-        shape = shapely.Polygon(points)
+        shape = shapely.Polygon(np.round(points, 9))  # far below any measure, slivers break operations on shapes
     shape = shapely.make_valid(shape)
     part = largest(shape)
     return orient(part) if not part.is_empty else part

@@ -55,11 +55,12 @@ def read(source: Source, options: ImportOptions) -> Drawing:
     for i, hallway in enumerate(root.listed("hallways")):
         _add_hallway(drawing, hallway, f"hallway {i + 1}", shapes)
     footprints = _footprints(source, root, drawing)
-    for item in root.listed("locations"):
+    for i, item in enumerate(root.listed("locations")):
         category = item.text_of("category")
         if category not in footprints:
             drawing.drop(
-                f"{category} {item.text_of('name')}".strip(), "no footprint of its category in metadata.locations"
+                f"{category} {item.text_of('name')}".strip() or f"location {i + 1}",
+                "no footprint of its category in metadata.locations",
             )
             continue
         corners = shapely.get_coordinates(footprints[category].exterior)

@@ -104,6 +104,6 @@ class ImportReport:
 
 def _counted(dropped: tuple[tuple[str, str], ...]) -> list[tuple[tuple[str, str], int]]:
     """Return what was dropped, things of one kind for one reason together."""
-    counts = Counter((what.split()[0], why) for what, why in dropped)
-    first = {(what.split()[0], why): (what, why) for what, why in reversed(dropped)}
+    kinds = [(what.partition(" ")[0], why) for what, why in dropped]
+    counts, first = Counter(kinds), dict(zip(reversed(kinds), reversed(dropped), strict=True))
     return [(first[key], count) for key, count in counts.items()]

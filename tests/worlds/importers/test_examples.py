@@ -162,3 +162,25 @@ def test_a_robot_can_drive_in_every_import(name):
         env.step(env.action_space.sample())
     assert unreachable(env.unwrapped.world) == ()
     env.close()
+
+
+def changed_flat(folder, old, new):
+    """Return the example of PyRoboSim with a part of its text replaced."""
+    text = (DATA / "flat.yaml").read_text()
+    assert old in text
+    (folder / "flat.yaml").write_text(text.replace(old, new))
+    return folder / "flat.yaml"
+
+
+def test_what_has_neither_name_nor_category_is_dropped_by_number(tmp_path):
+    file = changed_flat(tmp_path, "name: bin0, category: trash_can, parent: kitchen, ", "")
+    _, report = import_plan(file, ImportOptions())
+    assert any(what == "location 2" for what, _ in report.dropped)
+    assert any("location 2" in line for line in report.lines())
+
+
+@pytest.mark.filterwarnings("error::RuntimeWarning")
+def test_corners_that_are_off_by_nothing_are_where_they_seem(tmp_path):
+    world, _ = import_plan(changed_flat(tmp_path, "[0, 5]]", "[1.0e-300, 5]]"), ImportOptions())
+    exact, _ = import_plan(DATA / "flat.yaml", ImportOptions())
+    assert [r.row.area for r in world.regions if not r.parent] == [r.row.area for r in exact.regions if not r.parent]
