@@ -30,12 +30,27 @@ TWIN_OVERLAP = 0.5
 def resolve_duplicates(
     maps: Record, near: Array, n_near: Array, associations: Array, scan_number: int, p: Record
 ) -> None:
-    """Compare a region just measured with its neighbours; merge twins and rank rivals."""
+    """Compare regions just measured with their neighbours; merge twins and rank rivals."""
     for i in range(len(associations)):
-        twins = find_twins(maps, i, near, n_near, associations, scan_number, p)
-        if len(twins) > 0:
-            merge_twins(maps, i, twins, p)
+        for z in range(associations.shape[1]):
+            if is_due(maps, i, associations, z, scan_number, p):
+                twins = find_twins(maps, i, associations[i, z].slot, near, n_near, scan_number, p)
+                if len(twins) > 0:
+                    merge_twins(maps, i, twins, p)
         settle_rivals(maps, i, near, n_near, p)
+
+
+@lean
+def is_due(maps: Record, i: int, associations: Array, z: int, scan_number: int, p: Record) -> Any:
+    """Say whether this scan compares the region that measurement z is of with its neighbours.
+
+    Each scan looks at one of its regions in turn, for duplicates need no answer within a tenth of a second, and at
+    those that it confirms, for the robot may leave before it is their turn.
+    """
+    slot = associations[i, z].slot
+    if slot < 0 or maps.table[i, slot] < 0:
+        return False
+    return z == scan_number % associations.shape[1] or region_of(maps, i, slot).sightings == p.confirmed_after
 
 
 @njit
@@ -51,19 +66,9 @@ def merge_twins(maps: Record, i: int, twins: Array, p: Record) -> None:
 
 
 @njit
-def find_twins(
-    maps: Record, i: int, near: Array, n_near: Array, associations: Array, scan_number: int, p: Record
-) -> Any:
-    """Compare a region just measured with its neighbours; rank rivals and return twins, (younger, older) slots (k, 2).
-
-    Each scan looks at one of its regions in turn: duplicates need no answer within a tenth of a second.
-    """
+def find_twins(maps: Record, i: int, slot: int, near: Array, n_near: Array, scan_number: int, p: Record) -> Any:
+    """Compare a region just measured with its neighbours; rank rivals, return twins, (younger, older) slots (k, 2)."""
     twins, n, margin = np.empty((n_near[i], 2), np.int64), 0, margin_of(p)
-    if associations.shape[1] == 0:
-        return twins[:0]
-    slot = associations[i, scan_number % associations.shape[1]].slot
-    if slot < 0 or maps.table[i, slot] < 0:
-        return twins[:0]
     for j in range(n_near[i]):
         other = near[i, j]
         if other == slot or maps.table[i, other] < 0:

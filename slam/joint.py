@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from slam.association import ASSOCIATION, CANDIDATES_PER_MEASUREMENT, associate
 from slam.comparison import CANDIDATE
 from slam.config import Parameters, SlamConfig
-from slam.duplicates import find_twins, settle_rivals
+from slam.duplicates import find_twins, is_due, settle_rivals
 from slam.existence import update_existence
 from slam.hypotheses import NEGLIGIBLE, alternatives, copy_hypotheses, keep_hypotheses
 from slam.innovation import LOG_REFERENCE_HEADING, log_likelihood
@@ -197,8 +197,11 @@ class JointPosterior:
         """Merge twins, rank rivals, and forget what was dropped."""
         maps = self.cloud.maps
         for i, joint in enumerate(self.gaussians):
-            for younger, older in find_twins(maps, i, found.near, found.n_near, found.associations, scan_number, p):
-                merge_twins(joint, maps, i, younger, older, p)
+            for z, slot in enumerate(found.associations["slot"][i].tolist()):
+                if is_due(maps, i, found.associations, z, scan_number, p):
+                    twins = find_twins(maps, i, slot, found.near, found.n_near, scan_number, p)
+                    for younger, older in twins:
+                        merge_twins(joint, maps, i, younger, older, p)
             settle_rivals(maps, i, found.near, found.n_near, p)
             forget_absent(joint, maps, i)
         self._report()

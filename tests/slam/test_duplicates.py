@@ -59,6 +59,18 @@ def test_a_twin_gives_its_closed_edges_to_an_open_one() -> None:
     assert m.closed[:5].all()
 
 
+def test_what_a_scan_confirms_is_compared_before_the_robot_leaves() -> None:
+    regions = maps(mapped(ROOM, (0.3, 0), 0.02), mapped(ROOM, (0, 0), 0.02), mapped(ROOM, (10, 0), 0.02))
+    regions["id"][0, :3] = 200, 100, 300
+    for sightings, left in ((P.confirmed_after - 1, [1, 1, 1]), (P.confirmed_after, [0, 1, 1])):
+        regions["sightings"][0, 0] = sightings
+        regions["last_seen"][0, [0, 2]] = SCAN + 1
+        drawn = stored(regions)
+        resolve_duplicates(drawn, *near(drawn), links_to(*((s, 0, 0, 0) for s in (0, 2))), SCAN + 1, P)
+        forget_dropped(regions, drawn)
+        assert regions["n"][0, :3].tolist() == left
+
+
 def test_neighbours_stay() -> None:
     regions = maps(mapped(ROOM, (0, 0), 0.01), mapped(ROOM, (4.0, 0), 0.01), mapped(ROOM, (0, 3), 0.01))
     resolve(regions, 0)
