@@ -9,7 +9,7 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperGroup
 
-from agents.console import DONE, FAILED, InputError, bar, console, print_json, track
+from agents.console import DONE, FAILED, App, InputError, bar, console, print_json, track
 from agents.options import Json, Noise, Occlusion, Particles, WorldName, check_folder
 
 
@@ -23,7 +23,7 @@ class EnvironmentByDefault(TyperGroup):
         return super().parse_args(ctx, args)
 
 
-app = typer.Typer(cls=EnvironmentByDefault, help="Measure speed and accuracy.", rich_markup_mode=None)
+app = App(cls=EnvironmentByDefault, help="Measure speed and accuracy.", rich_markup_mode=None)
 
 Steps = Annotated[int, typer.Option(min=100, help="Steps in all.")]
 Copies = Annotated[int, typer.Option(min=1, help="Copies in the vector environment.")]

@@ -11,7 +11,7 @@ from rich.progress import SpinnerColumn, TextColumn
 from rich.table import Table
 
 from agents.benchmark_commands import app as benchmark_app
-from agents.console import DONE, FAILED, Commands, bar, console, print_json, progress, status_console
+from agents.console import DONE, FAILED, App, Commands, bar, console, print_json, progress, status_console
 from agents.options import Dynamics, Json, WorldName, check_folder, given
 from agents.reproduce_commands import app as reproduce_app
 from agents.world_commands import app as world_app
@@ -19,7 +19,7 @@ from agents.world_commands import app as world_app
 if TYPE_CHECKING:
     from agents.run import Moment
 
-app = typer.Typer(
+app = App(
     cls=Commands,
     help="Semantic navigation under SLAM uncertainty: run missions, train and evaluate agents, measure, tend worlds.",
     no_args_is_help=True,

@@ -11,7 +11,7 @@ import gymnasium
 import typer
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, ProgressColumn, TextColumn, TimeElapsedColumn
-from typer.core import TyperGroup
+from typer.core import TyperCommand, TyperGroup
 
 T = TypeVar("T")
 
@@ -20,6 +20,25 @@ DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 
 class InputError(ValueError):
     """Something given on the command line that cannot be used."""
+
+
+class Command(TyperCommand):
+    """A command; it says so before it compiles the filter."""
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run the command: its options have been read."""
+        from agents.compiling import told  # loads Numba, which `--help` does without
+
+        with told():
+            return super().invoke(ctx)
+
+
+class App(typer.Typer):
+    """Commands that belong together."""
+
+    def command(self, *args: Any, **kwargs: Any) -> Any:
+        """Return the decorator that adds a command."""
+        return super().command(*args, **{"cls": Command, **kwargs})
 
 
 class Commands(TyperGroup):

@@ -9,10 +9,10 @@ from typing import Annotated
 import typer
 from rich.table import Table
 
-from agents.console import DONE, console, print_json, track
+from agents.console import DONE, App, console, print_json, track
 from agents.options import Json, Noise, Occlusion, Particles, check_folder
 
-app = typer.Typer(
+app = App(
     help="Repeat the paper's experiments and draw its figures.", no_args_is_help=True, rich_markup_mode=None
 )
 

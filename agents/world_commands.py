@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from rich.table import Table
 
-from agents.console import DONE, InputError, console, print_json
+from agents.console import DONE, App, InputError, console, print_json
 from agents.generation_commands import gallery, generate
 from agents.options import Json
 
 if TYPE_CHECKING:
     from regionslam_env.worlds.world import World
 
-app = typer.Typer(help="List, show, import, generate and check worlds.", no_args_is_help=True, rich_markup_mode=None)
+app = App(help="List, show, import, generate and check worlds.", no_args_is_help=True, rich_markup_mode=None)
 app.command()(generate)
 app.command()(gallery)
 
