@@ -9,8 +9,10 @@ from pathlib import Path
 from regionslam_env.errors import WorldError, unknown
 from regionslam_env.worlds.format import is_native, load_world
 from regionslam_env.worlds.generate.generator import KINDS
-from regionslam_env.worlds.importers.formats import ENDINGS, import_plan
+from regionslam_env.worlds.importers.formats import ACCEPTED, ENDINGS, import_plan
+from regionslam_env.worlds.importers.levels import check_level
 from regionslam_env.worlds.importers.realise import ImportOptions
+from regionslam_env.worlds.importers.source import Source
 from regionslam_env.worlds.world import World
 
 
@@ -36,13 +38,14 @@ def load(world: str | Path | World, scale: float | None = None, level: str | Non
     Raises
     ------
     WorldError
-        For an unknown name (with the nearest ones) or a file that cannot be used.
+        For an unknown name or level (with those that there are) or a file that cannot be used.
     """
     if isinstance(world, World):
+        check_level((world.level,), level, f"world {world.name!r}")
         return world
     name = str(world)
     if name in builtin_names():
-        return _builtin(name)
+        return load(_builtin(name), level=level)
     path = Path(world)
     check_there(path, name)
     files = sorted(path.iterdir()) if path.is_dir() else [path]
@@ -57,8 +60,8 @@ def check_there(path: Path, name: str) -> None:
     except (OSError, ValueError):  # a name too long for any file
         found = False
     if not found:
-        if path.suffix.lower() in ENDINGS or len(path.parts) > 1:
-            raise WorldError(f"{path}: no such file, expected a world file ({', '.join(ENDINGS)}) or a built-in name")
+        if Source(path).ending in ENDINGS or len(path.parts) > 1:
+            raise WorldError(f"{path}: no such file, expected a world file ({ACCEPTED}) or a built-in name")
         raise WorldError(unknown("world", name, (*builtin_names(), *KINDS)))
 
 

@@ -151,6 +151,7 @@ def test_a_failed_exploration_says_how_much_is_missing(monkeypatch):
         (("world", "import", EXAMPLES / "floor.yaml", "--scale", "-1"), ("floor.yaml", "scale is -1.0", "above 0")),
         (("world", "import", EXAMPLES / "imdf", "--scale", "2"), ("imdf", "scale is 2.0", "unit of its own")),
         (("world", "import", EXAMPLES / "imdf", "--level", "Ground flor"), ("Ground flor", "'Ground floor'")),
+        (("world", "import", EXAMPLES / "home.json", "--level", "7"), ("home.json", "unknown level '7'", "'0'")),
         (("world", "import", EXAMPLES / "floor.yaml", "--types", "no.json"), ("no.json",)),
         (("world", "import", EXAMPLES / "floor.yaml", "--out", "w.png"), ("w.png", "expected .geojson")),
         (("world", "import", EXAMPLES / "floor.rooms.yaml"), ("floor.rooms.yaml", "import the map itself")),

@@ -15,6 +15,7 @@ from pathlib import Path
 from types import ModuleType
 
 from regionslam_env.errors import WorldError
+from regionslam_env.worlds.importers.levels import check_level
 from regionslam_env.worlds.importers.realise import Imported, ImportOptions, realise
 from regionslam_env.worlds.importers.source import Source
 from regionslam_env.worlds.importers.vocabulary import vocabulary
@@ -56,6 +57,9 @@ COMPANIONS = (".rooms.yaml",)
 
 ENDINGS = (*JSON, *YAML, *XML, *IFC)
 
+ACCEPTED = f"{', '.join(ENDINGS)}, packed ones such as .ifc.gz, or a folder that holds one building"
+"""What can be imported, for an error."""
+
 
 def import_plan(path: Path, options: ImportOptions) -> Imported:
     """Return the world of a file or of a folder that holds one building, and the report.
@@ -73,6 +77,7 @@ def import_plan(path: Path, options: ImportOptions) -> Imported:
             raise WorldError(f"{path}: scale is {options.scale!r}, expected metres per unit above 0")
     try:
         drawing = found.reader.read(source, options)
+        check_level(drawing.levels, options.level, path)
         return realise(drawing, vocabulary(found.name, options.types), options, str(path), found.title)
     except WorldError as error:
         text = str(error)
@@ -96,7 +101,7 @@ def detect(path: Path) -> tuple[Format, Source]:
                 return candidate, source
             tried.append(f"{candidate.title} ({reason})")
     if source.ending not in ENDINGS:
-        raise WorldError(f"{path}: ending {source.ending!r}, expected one of {', '.join(ENDINGS)}")
+        raise WorldError(f"{path}: ending {source.ending!r}, expected one of {ACCEPTED}")
     raise WorldError(f"{path}: of no known format; tried {'; '.join(tried)}")
 
 

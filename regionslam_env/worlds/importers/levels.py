@@ -8,6 +8,12 @@ from collections.abc import Iterable, Sequence
 from regionslam_env.errors import WorldError, unknown
 
 
+def check_level(levels: Sequence[str], wanted: str | None, where: object) -> None:
+    """Refuse a level that is wanted where there is none of this name; None wants none in particular."""
+    if wanted is not None and wanted not in levels:
+        raise WorldError(f"{where}: {unknown('level', wanted, levels)}")
+
+
 def choose(
     levels: Sequence[str], rooms: Iterable[str], wanted: str | None, file: object, ground: str | None = None
 ) -> str:
@@ -26,9 +32,8 @@ def choose(
     ground
         Name of the ground floor; default: the lowest.
     """
+    check_level(levels, wanted, file)
     if wanted is not None:
-        if wanted not in levels:
-            raise WorldError(f"{file}: {unknown('level', wanted, levels)}")
         return wanted
     counts = Counter(rooms)
     if not levels:
