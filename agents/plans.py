@@ -7,8 +7,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rich.table import Table
-
 from agents.console import BAD_INPUT, DONE, FAILED, InputError, console, print_json, track
 
 if TYPE_CHECKING:
@@ -125,17 +123,12 @@ def _attempts(file: Path, options: ImportOptions, all_levels: bool) -> Iterator[
 
 def _tell(attempts: list[Attempt], json: bool) -> int:
     """Print a table of attempts and the totals."""
-    from regionslam_env.worlds.importers.report import GOOD
+    from regionslam_env.worlds.importers.report import GOOD, amount
 
-    table = Table()
-    for heading in ("file", "format", "level", "rooms", "doors", "assumed", "open", "IoU > 0.95", "flagged", "parts"):
-        table.add_column(heading, justify="left" if heading in ("file", "format", "level") else "right")
     say = console()
     reports = [report for attempt in attempts if (report := attempt.report) is not None]
-    for r in reports:
-        counts = (len(r.rooms), r.doors, r.assumed, r.passages, f"{r.good_share:.0%}", len(r.poor), r.components)
-        table.add_row(Path(r.file).name, r.format, r.level, *map(str, counts))
-    say.print(table)
+    for row in _rows(reports):
+        say.print(row, markup=False)
     for attempt in attempts:
         if attempt.report is None:
             say.print(f"refused: {attempt.refusal}", markup=False)
@@ -145,8 +138,12 @@ def _tell(attempts: list[Attempt], json: bool) -> int:
         "good_share_aligned": sum(room.aligned_iou > GOOD for room in rooms) / max(len(rooms), 1),
     }
     say.print(
-        "{} rooms on {} levels: {:.1%} with IoU > {} as drawn, {:.1%} after edges were moved onto common walls".format(
-            len(rooms), len(reports), shares["good_share"], GOOD, shares["good_share_aligned"]
+        "{} on {}: {:.1%} with IoU > {} as drawn, {:.1%} after edges were moved onto common walls".format(
+            amount(len(rooms), "room"),
+            amount(len(reports), "level"),
+            shares["good_share"],
+            GOOD,
+            shares["good_share_aligned"],
         )
     )
     if json:
@@ -155,3 +152,13 @@ def _tell(attempts: list[Attempt], json: bool) -> int:
     if not reports:
         return BAD_INPUT
     return DONE if len(reports) == len(attempts) else FAILED
+
+
+def _rows(reports: list[ImportReport]) -> Iterator[str]:
+    """Yield the lines of a table of imports; names come last, where nothing cuts them."""
+    yield "rooms  doors  assumed  open  IoU > 0.95  flagged  parts  file, level, format"
+    for r in reports:
+        yield (
+            f"{len(r.rooms):5}  {r.doors:5}  {r.assumed:7}  {r.passages:4}  {r.good_share:10.0%}  {len(r.poor):7}  "
+            f"{r.components:5}  {Path(r.file).name}, {r.level}, {r.format}"
+        )

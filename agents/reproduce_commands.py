@@ -12,9 +12,7 @@ from rich.table import Table
 from agents.console import DONE, App, console, print_json, track
 from agents.options import Json, Noise, Occlusion, Particles, check_folder
 
-app = App(
-    help="Repeat the paper's experiments and draw its figures.", no_args_is_help=True, rich_markup_mode=None
-)
+app = App(help="Repeat the paper's experiments and draw its figures.", no_args_is_help=True, rich_markup_mode=None)
 
 Out = Annotated[Path | None, typer.Option(help="Folder to draw the figure in (extra `plots`).")]
 

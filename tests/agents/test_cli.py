@@ -240,6 +240,18 @@ def test_a_folder_of_buildings_is_imported_and_refusals_are_told(tmp_path):
     assert invoke("world", "survey", source).exit_code == 2
 
 
+def test_a_survey_cuts_no_name_and_counts_in_english(tmp_path, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "80")
+    name = "a-house-whose-name-is-so-long-that-it-fills-a-line-of-eighty-columns-of-a-terminal-0001.json"
+    (tmp_path / name).write_bytes((EXAMPLES / "home.json").read_bytes())
+    lines = invoke("world", "survey", tmp_path).stdout.splitlines()
+    assert lines[0].split()[:4] == ["rooms", "doors", "assumed", "open"]
+    assert f"{name}, 0, HouseExpo" in lines[1] and "…" not in "".join(lines)
+    assert lines[-1].startswith("4 rooms on 1 level: ")
+    (tmp_path / "other.json").write_bytes((EXAMPLES / "home.json").read_bytes())
+    assert "8 rooms on 2 levels: " in invoke("world", "survey", tmp_path).stdout
+
+
 @pytest.mark.compiled
 def test_evaluation_prints_means_and_intervals():
     result = invoke("evaluate", "random", "--episodes", 2, "--split", "test", "--goal", "kitchen", "--json")

@@ -65,8 +65,9 @@ class ImportReport:
         more = f" (others: {', '.join(others)})" if others else ""
         lines = [
             f"{self.file}: {self.format}, level {self.level}{more}{scale}",
-            f"{len(self.rooms)} rooms ({100 * self.good_share:.0f} % with IoU > {GOOD}), {self.doors} doors "
-            f"({self.assumed} assumed), {self.passages} open borders, {self.furniture} pieces of furniture",
+            f"{amount(len(self.rooms), 'room')} ({100 * self.good_share:.0f} % with IoU > {GOOD}), "
+            f"{amount(self.doors, 'door')} ({self.assumed} assumed), {amount(self.passages, 'open border')}, "
+            f"{amount(self.furniture, 'piece')} of furniture",
             "every room can be reached by doors"
             if self.components == 1
             else f"{self.components} parts without a door between them",
@@ -100,6 +101,11 @@ class ImportReport:
             "dropped": [{"what": what, "why": why} for what, why in self.dropped],
             "notes": list(self.notes),
         }
+
+
+def amount(number: int, noun: str) -> str:
+    """Return a number of things, e.g. "1 room" or "2 rooms"."""
+    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
 
 
 def _counted(dropped: tuple[tuple[str, str], ...]) -> list[tuple[tuple[str, str], int]]:
