@@ -32,7 +32,10 @@ Seeds = Annotated[int, typer.Option(min=1, help="Number of seeds.")]
 
 @app.command("env")
 def environment(steps: Steps = 20_000, world: WorldName = "institute", copies: Copies = 64, json: Json = False) -> int:
-    """Count steps per second of the environment, of many copies and of installed peers; time a step by part."""
+    """Count steps per second, of one environment and of many.
+
+    Installed peers take turns with them, and a step is timed by part.
+    """
     from agents.benchmark import benchmark_environment
 
     say = console()
@@ -58,7 +61,10 @@ def environment(steps: Steps = 20_000, world: WorldName = "institute", copies: C
 
 @app.command("filter")
 def filter_(json: Json = False) -> int:
-    """Time an update over particles, measurements and regions, and by part; weigh the maps of 1,000 particles."""
+    """Time an update of the filter, and weigh its maps.
+
+    An update over particles, measurements and regions, and by part; the maps of 1,000 particles.
+    """
     from agents.filter_benchmark import benchmark_filter
 
     say = console()
@@ -146,7 +152,10 @@ def robustness(
     scenario: Annotated[list[str] | None, typer.Option(help="Only this one; may be repeated.")] = None,
     json: Json = False,
 ) -> int:
-    """Judge the filter where things go wrong: wheel slip, wrong types, twins, kidnapping and more."""
+    """Judge the filter where things go wrong.
+
+    Wheel slip, wrong types, twins, kidnapping and more.
+    """
     from agents import robustness as measure
     from agents.parallel import over_seeds
     from agents.scenarios import SCENARIOS
@@ -175,7 +184,10 @@ def worlds(
     kind: Annotated[list[str] | None, typer.Option(help="Only this kind; may be repeated.")] = None,
     json: Json = False,
 ) -> int:
-    """Time the generation of worlds; check that each is valid, connected, and free to start and to arrive in."""
+    """Time the generation of worlds, and check each.
+
+    Valid, connected, and free to start and to arrive in.
+    """
     from agents.world_benchmark import benchmark_worlds
     from regionslam_env.errors import unknown
     from regionslam_env.worlds.generate.generator import KINDS
@@ -197,7 +209,10 @@ def fuzz(
     out: Annotated[Path | None, typer.Option(help="Folder for the damaged files of what failed.")] = None,
     json: Json = False,
 ) -> int:
-    """Damage buildings of every format; each has to give a world or one clear line, in time and without a traceback."""
+    """Damage buildings of every format, and try to import them.
+
+    Each has to give a world or one clear line, in time and without a traceback.
+    """
     from agents.fuzzing.campaign import EXAMPLES, benchmark_fuzz
 
     check_folder(out)

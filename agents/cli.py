@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -41,6 +42,21 @@ MissionText = Annotated[
 def main() -> None:
     """Run the command line."""
     app()
+
+
+def _version(asked: bool) -> None:
+    if asked:
+        console().print(f"regionslam {version('regionslam-env')}")
+        raise typer.Exit
+
+
+@app.callback()
+def _options(
+    asked: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version and exit.")
+    ] = False,
+) -> None:
+    """Take what comes before a command."""
 
 
 @app.command()

@@ -32,7 +32,10 @@ def generate(
     out: Annotated[Path | None, typer.Option(help="The world in our format (.geojson).")] = None,
     json: Json = False,
 ) -> int:
-    """Generate a world: the same kind, seed and options always give the same one."""
+    """Generate a world.
+
+    The same kind, seed and options always give the same one.
+    """
     from regionslam_env.worlds.format import save_world
     from regionslam_env.worlds.generate.generator import generate as generate_world
     from regionslam_env.worlds.source import world_seed
@@ -60,7 +63,10 @@ def gallery(
     size: Size = 80,
     json: Json = False,
 ) -> int:
-    """Draw worlds of every kind side by side, or of one kind with easier and harder ones below."""
+    """Draw worlds of every kind side by side.
+
+    Or of one kind, with easier and harder ones below.
+    """
     from regionslam_env.rendering.gallery import draw_gallery
     from regionslam_env.worlds.generate.generator import KINDS
     from slam.storage import replacing

@@ -23,7 +23,10 @@ def figure_5(
     out: Out = None,
     json: Json = False,
 ) -> int:
-    """Repeat Fig. 5: one region of 18 m, estimated from partial views by both geometric updates."""
+    """Repeat figure 5: one region of 18 m from partial views.
+
+    Both geometric updates estimate it.
+    """
     from agents.reproduce import fig5
 
     check_folder(out)
@@ -51,7 +54,10 @@ def figure_6(
     misclassification: Annotated[float, typer.Option(min=0, max=1, help="Share of wrong types.")] = 0.0,
     json: Json = False,
 ) -> int:
-    """Repeat Fig. 6: the filter on a course of 328 m with unknown correspondence."""
+    """Repeat figure 6: the filter on a course of 328 m.
+
+    Its correspondences are unknown.
+    """
     from agents import accuracy
     from agents.parallel import over_seeds
     from agents.reproduce import fig6

@@ -85,7 +85,10 @@ def import_world(
     assume_doors: Annotated[bool, typer.Option(help="Whether rooms without a way in get a door to a hallway.")] = True,
     json: Json = False,
 ) -> int:
-    """Turn a building's file into our format and tell how well it went."""
+    """Turn a building's file into our format, and report.
+
+    The report tells how well it went.
+    """
     from agents.plans import import_folder, import_one
     from regionslam_env.worlds.importers.formats import is_one_building
     from regionslam_env.worlds.importers.realise import ImportOptions
@@ -101,7 +104,10 @@ def survey(
     folder: Annotated[Path, typer.Argument(help="A folder of buildings in any format.")],
     json: Json = False,
 ) -> int:
-    """Try to import every level of every building in a folder, and print how well each went."""
+    """Try to import all buildings in a folder, every level.
+
+    Prints how well each went, and writes nothing.
+    """
     from agents.plans import survey_folder
 
     return survey_folder(folder, json)
@@ -109,7 +115,10 @@ def survey(
 
 @app.command()
 def validate(file: Annotated[Path, typer.Argument(help="The file of a world.")], json: Json = False) -> int:
-    """Check a world's file; warn of regions that the robot cannot get to."""
+    """Check a world's file.
+
+    Warns of regions that the robot cannot get to.
+    """
     from regionslam_env.worlds.loading import load
     from regionslam_env.worlds.reachability import unreachable
 

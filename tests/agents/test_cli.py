@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+from importlib.metadata import version
 from pathlib import Path
 
 import pytest
@@ -281,6 +282,19 @@ def test_help_needs_no_environment():
     assert result.exit_code == 0
     for command in ("run", "evaluate", "train", "benchmark", "world"):
         assert command in result.stdout
+
+
+@pytest.mark.parametrize("group", [(), ("benchmark",), ("reproduce",), ("world",)])
+def test_what_commands_do_is_listed_to_the_end(group, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "80")
+    commands = invoke(*group, "--help").stdout.partition("Commands:\n")[2].splitlines()
+    assert len(commands) > 1 and all(line.endswith(".") and len(line.split()) > 3 for line in commands), commands
+    assert not any(line.endswith(("...", "Fig.")) for line in commands)
+
+
+def test_the_version_is_told():
+    result = invoke("--version")
+    assert (result.exit_code, result.stdout) == (0, f"regionslam {version('regionslam-env')}\n")
 
 
 def test_the_console_script_is_the_command_line():
