@@ -105,13 +105,15 @@ def evaluate(
     split: Annotated[str | None, typer.Option(help="train, val or test: disjoint seeds.")] = None,
     localization: Annotated[str | None, typer.Option(help="slam, oracle or odometry.")] = None,
     dynamics: Dynamics = None,
-    out: Annotated[Path | None, typer.Option(help="Folder for a film and a picture of each episode.")] = None,
+    out: Annotated[
+        Path | None, typer.Option(help="Folder for a film and a picture of each episode, and summary.json.")
+    ] = None,
     json: Json = False,
 ) -> int:
     """Evaluate an agent: means with 95 % confidence intervals."""
     import gymnasium
 
-    from agents.evaluate import check_environment, load_model, make_agent, summarize
+    from agents.evaluate import check_environment, load_model, make_agent, settings_of, summarize, write_summary
     from agents.evaluate import evaluate as run_episodes
 
     check_folder(out)
@@ -132,10 +134,14 @@ def evaluate(
             out,
         )
     environment.close()
-    summary = summarize(results)
-    console().print(_metrics_table(f"{agent} on {env_id}, {episodes} episodes", summary))
+    metrics = summarize(results)
+    console().print(_metrics_table(f"{agent} on {env_id}, {episodes} episodes", metrics))
+    made = {"agent": agent, "env": env_id, "episodes": episodes, "seed": seed, "settings": settings_of(environment)}
+    summary = {**made, "version": version("regionslam-env"), "metrics": metrics}
+    if out is not None:
+        write_summary(out, summary)
     if json:
-        print_json({"agent": agent, "env": env_id, "episodes": episodes, "seed": seed, "metrics": summary})
+        print_json(summary)
     return DONE
 
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Callable, Mapping, Sequence
+from inspect import signature
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -14,12 +16,16 @@ from gymnasium.envs.registration import load_env_creator
 from agents.console import InputError
 from agents.recorder import Recorder
 from agents.scripted import ScriptedAgent
+from regionslam_env.env import SemanticNavigationEnv
 from regionslam_env.errors import short, unknown
 from regionslam_env.registration import ENVIRONMENTS
 from regionslam_env.tasks.metrics import METRICS
 from slam.storage import replacing
 
 Z95 = 1.959964
+
+SETTINGS = ("world", "split", "localization", "noise", "dynamics")
+"""Arguments of an environment that a summary always tells."""
 
 
 class Agent(Protocol):
@@ -204,6 +210,23 @@ def summarize(results: Sequence[Mapping[str, Any]]) -> dict[str, dict[str, float
             low, high = mean - half, mean + half
         summary[key] = {"mean": mean, "low": low, "high": high, "n": len(values)}
     return summary
+
+
+def settings_of(env: gymnasium.Env[Any, Any]) -> dict[str, Any]:
+    """Return what an environment was made with as plain data: every argument given, and `SETTINGS` by default."""
+    parameters = signature(SemanticNavigationEnv.__init__).parameters
+    given = {} if env.spec is None else env.spec.kwargs
+    settings = {name: parameters[name].default for name in SETTINGS} | given
+    plainly: dict[str, Any] = json.loads(
+        json.dumps(settings | {"dynamics": settings["dynamics"] or "none"}, default=str)
+    )
+    return plainly
+
+
+def write_summary(folder: Path, summary: Mapping[str, Any]) -> None:
+    """Write `summary.json`, which tells what came out and how it was made."""
+    with replacing(folder / "summary.json") as temporary:
+        temporary.write_text(json.dumps(summary, indent=1, allow_nan=False) + "\n", encoding="utf-8")
 
 
 def wilson(rate: float, n: int) -> tuple[float, float]:

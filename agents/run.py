@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import json
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 import gymnasium
 
-from agents.evaluate import plain, scripted_agent
+from agents.evaluate import plain, scripted_agent, write_summary
 from agents.recorder import Recorder
 from regionslam_env.config import SEMANTIC_TYPES
 from regionslam_env.missions.language import parse
@@ -27,7 +27,7 @@ MAP_SHARE = 0.9
 SUMMARY_KEYS = (
     *("success", "completed", "explored", "false_arrival", "steps", "path_length", "spl"),
     *("ape_max", "ape_end", "collisions", "wall_seconds"),
-    *("mission", "world", "seed"),
+    *("mission", "world", "seed", "start_distance", "localization", "noise", "dynamics", "version"),
 )
 
 
@@ -110,7 +110,7 @@ def run_mission(settings: RunSettings, tell: Callable[[Moment], None] = lambda m
             if recorder is not None:
                 recorder.add(agent.say(), done)
             tell(_moment(base, agent, step))
-        summary = _summary(settings, info, step, time.perf_counter() - began)
+        summary = _summary(settings, base, info, step, time.perf_counter() - began)
         if settings.out is not None and recorder is not None:
             _write(settings.out, recorder, base, summary)
         return summary
@@ -146,14 +146,15 @@ def _moment(base: Any, agent: Any, step: int) -> Moment:
     return Moment(step, step * base.robot.step, base.simulation.path_length, agent.say(), place)
 
 
-def _summary(settings: RunSettings, info: dict[str, Any], steps: int, wall_seconds: float) -> dict[str, Any]:
+def _summary(settings: RunSettings, base: Any, info: dict[str, Any], steps: int, wall_seconds: float) -> dict[str, Any]:
     values = {
         **{key: info[key] for key in SUMMARY_KEYS if key in info},
         "steps": steps,
         "wall_seconds": round(wall_seconds, 3),
-        "mission": settings.mission,
-        "world": settings.world,
-        "seed": settings.seed,
+        **{key: value for key, value in vars(settings).items() if key in SUMMARY_KEYS},
+        "start_distance": base.task.start_distance,
+        "dynamics": settings.dynamics or "none",
+        "version": version("regionslam-env"),
     }
     return {key: plain(values[key]) for key in SUMMARY_KEYS}
 
@@ -189,5 +190,4 @@ def _write(out: Path, recorder: Recorder, base: Any, summary: dict[str, Any]) ->
         with replacing(out / name) as temporary:
             picture.save(temporary)
     save_map(base.belief.map, out / "map.geojson")
-    with replacing(out / "summary.json") as temporary:
-        temporary.write_text(json.dumps(summary, indent=1, allow_nan=False) + "\n", encoding="utf-8")
+    write_summary(out, summary)

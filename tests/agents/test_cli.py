@@ -46,6 +46,8 @@ def test_the_summary_is_the_last_line_and_a_file(mission):
     assert json.loads((out / "summary.json").read_text()) == summary
     assert summary["success"] is True and summary["false_arrival"] is False
     assert summary["mission"] == "go to the hallway" and summary["world"] == "institute" and summary["seed"] == 3
+    assert summary["localization"] == "slam" and summary["noise"] == "standard" and summary["dynamics"] == "none"
+    assert summary["start_distance"] == 2 and summary["version"] == version("regionslam-env")
     assert 0 < summary["spl"] <= 1 and summary["path_length"] >= 2 and 0 <= summary["ape_end"] <= summary["ape_max"]
 
 
@@ -53,7 +55,8 @@ def test_the_summary_is_the_last_line_and_a_file(mission):
 def test_a_mission_among_people_and_closing_doors(tmp_path):
     result = invoke(*START_IN_A_LINE, "--dynamics", "all", "--out", tmp_path, "--json")
     assert result.exit_code == 0, result.output
-    assert last_json(result)["success"] is True
+    summary = last_json(result)
+    assert summary["success"] is True and summary["dynamics"] == "all"
     with Image.open(tmp_path / "mission.gif") as gif:
         colours = {colour for _, colour in gif.convert("RGB").getcolors(2**24)}
     assert {PERSON, SHUT} <= colours
@@ -254,13 +257,19 @@ def test_a_survey_cuts_no_name_and_counts_in_english(tmp_path, monkeypatch):
 
 
 @pytest.mark.compiled
-def test_evaluation_prints_means_and_intervals():
-    result = invoke("evaluate", "random", "--episodes", 2, "--split", "test", "--goal", "kitchen", "--json")
+def test_evaluation_prints_means_and_intervals(tmp_path):
+    options = ("--split", "test", "--goal", "kitchen", "--dynamics", "people", "--out", tmp_path)
+    result = invoke("evaluate", "random", "--env", "RegionSLAM/GoTo-Oracle-v0", "--episodes", 2, *options, "--json")
     assert result.exit_code == 0, result.output
     values = last_json(result)
     assert values["episodes"] == 2 and values["metrics"]["spl"]["n"] == 2
     assert values["metrics"]["false_arrival"]["n"] == 0  # nothing to declare in GoTo-v0
     assert "95 % interval" in result.stdout
+    assert values["settings"] == {
+        "world": "institute", "split": "test", "localization": "oracle",
+        "noise": "standard", "dynamics": "people", "goal": "kitchen",
+    }
+    assert json.loads((tmp_path / "summary.json").read_text()) == values
 
 
 @pytest.mark.compiled
