@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from regionslam_env.errors import hint
 from slam.evaluation.ekf import UNSEEN, EdgeEKF
 from slam.evaluation.lines import Ints, Lines, jacobians, residuals, stack
 from slam.motion import MotionNoise, Odometry
@@ -20,7 +21,7 @@ from slam.se2 import wrap_angles
 
 AVAILABLE = find_spec("gtsam") is not None
 
-MISSING = "the batch needs GTSAM: pip install 'regionslam-env[ref]'"
+MISSING = hint("the batch needs GTSAM", "ref")
 
 
 class Batch:

@@ -11,14 +11,14 @@ from typing import Any, Protocol
 
 import gymnasium
 import numpy as np
-from gymnasium.envs.registration import load_env_creator
 
 from agents.console import InputError
+from agents.options import given
 from agents.recorder import Recorder
 from agents.scripted import ScriptedAgent
 from regionslam_env.env import SemanticNavigationEnv
-from regionslam_env.errors import short, unknown
-from regionslam_env.registration import ENVIRONMENTS
+from regionslam_env.errors import unknown
+from regionslam_env.registration import ENVIRONMENTS, misplaced, option_of
 from regionslam_env.tasks.metrics import METRICS
 from slam.storage import replacing
 
@@ -95,20 +95,11 @@ def check_environment(env_id: str, **wanted: str | None) -> str:
     """
     if env_id not in ENVIRONMENTS:
         raise InputError(unknown("environment", env_id, ENVIRONMENTS))
-    own = _option(env_id)
-    for name, value in wanted.items():
-        if value is not None and name != own:
-            takes = f"takes --{own}" if own else "is always the same"
-            other = next(known for known in ENVIRONMENTS if _option(known) == name)
-            raise InputError(f"--{name} is {short(value)}, but {env_id} {takes}; {other} takes --{name}")
+    for name, value in given(**wanted).items():
+        line = misplaced(env_id, option_of(env_id), name, value, dashes="--")
+        if line is not None:
+            raise InputError(line)
     return env_id
-
-
-def _option(env_id: str) -> str | None:
-    """Return the option that says what is to be done in an environment; None where there is nothing to choose."""
-    env_class: Any = load_env_creator(ENVIRONMENTS[env_id]["entry_point"])
-    option: str | None = env_class.task_type.option
-    return option
 
 
 def make_agent(name: str, env: gymnasium.Env[Any, Any], seed: int = 0, model: Any = None) -> Agent:
@@ -215,8 +206,8 @@ def summarize(results: Sequence[Mapping[str, Any]]) -> dict[str, dict[str, float
 def settings_of(env: gymnasium.Env[Any, Any]) -> dict[str, Any]:
     """Return what an environment was made with as plain data: every argument given, and `SETTINGS` by default."""
     parameters = signature(SemanticNavigationEnv.__init__).parameters
-    given = {} if env.spec is None else env.spec.kwargs
-    settings = {name: parameters[name].default for name in SETTINGS} | given
+    chosen = {} if env.spec is None else env.spec.kwargs
+    settings = {name: parameters[name].default for name in SETTINGS} | chosen
     plainly: dict[str, Any] = json.loads(
         json.dumps(settings | {"dynamics": settings["dynamics"] or "none"}, default=str)
     )

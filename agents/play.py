@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from agents.console import InputError
+from regionslam_env.errors import hint
 
 HELP = "Drive with the arrow keys or w, a, s, d; space declares arrival where the environment has it; Esc ends."
 
@@ -44,7 +45,7 @@ def play(env: gymnasium.Env[Any, Any], seed: int | None = None, tell: Told = lam
         import pygame
         from gymnasium.utils.play import play as run_game
     except (ImportError, gymnasium.error.DependencyNotInstalled):
-        raise InputError('playing needs pygame: pip install "regionslam-env[render]"') from None
+        raise InputError(hint("playing needs pygame", "render")) from None
     _check_display(pygame)
     count = 0
 

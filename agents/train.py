@@ -11,8 +11,9 @@ from typing import Any
 import gymnasium
 
 from agents.console import InputError
+from regionslam_env.errors import hint
 
-MISSING = "training needs Stable-Baselines3; install it with: pip install 'regionslam-env[train]'"
+MISSING = hint("training needs Stable-Baselines3", "train")
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,7 @@ import math
 import typing
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from operator import attrgetter
 from typing import Any, TypeVar
 
 from regionslam_env.errors import ConfigError, unknown
@@ -183,9 +184,9 @@ class NoiseConfig:
             _not_negative(self, name)
         for name in ("misclassification", "misses"):
             _probability(self, name)
-        for part in (self.odometry, self.regions):
-            for entry in dataclasses.fields(part):
-                _not_negative(part, entry.name)
+        for part in ("odometry", "regions"):
+            for entry in dataclasses.fields(getattr(self, part)):
+                _not_negative(self, f"{part}.{entry.name}")
         if self.regions.sigma_xy == 0:
             raise ConfigError(
                 "regions.sigma_xy is 0, expected a length above 0: the filter has to be told some noise "
@@ -299,10 +300,9 @@ def from_dict(config: type[C], values: Mapping[str, Any] | C | None, where: str)
         arguments[key] = _convert(types[key], value, f"{where}.{key}")
     try:
         return config(**arguments)
-    except ConfigError:
-        raise
-    except ValueError as error:  # of the filter's own settings
-        raise ConfigError(f"{where}: {error}") from None
+    except ValueError as error:  # most begin with the field, some of the filter's own settings do not
+        first = str(error).partition(" ")[0].partition(".")[0]
+        raise ConfigError(f"{where}{'.' if first in types else ': '}{error}") from None
 
 
 def _convert(kind: Any, value: Any, where: str) -> Any:
@@ -335,7 +335,7 @@ def _positive(config: Any, name: str) -> None:
 
 
 def _not_negative(config: Any, name: str) -> None:
-    value = getattr(config, name)
+    value = attrgetter(name)(config)
     if not 0 <= value <= LARGEST:
         raise ConfigError(f"{name} is {value}, expected a number of at least 0 and up to {LARGEST:g}")
 

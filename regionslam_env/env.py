@@ -40,6 +40,7 @@ from regionslam_env.fused.copies import Copies, can_be_fused
 from regionslam_env.fused.kernels import OBSERVED
 from regionslam_env.missions.mission import Mission, goal_of
 from regionslam_env.observations import Observation, Observer, observed_types
+from regionslam_env.registration import id_of, misplaced
 from regionslam_env.sensors.lidar import Lidar
 from regionslam_env.sensors.odometry import OdometrySensor
 from regionslam_env.sensors.region_sensor import RegionSensor
@@ -191,7 +192,10 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         render_mode: str | None = None,
         **others: object,
     ) -> None:
-        for name in others:
+        for name, value in others.items():
+            line = misplaced(id_of(type(self)), self.task_type.option, name, value)
+            if line is not None:
+                raise ConfigError(line)
             own = (p.name for p in signature(type(self)).parameters.values() if p.kind is p.KEYWORD_ONLY)
             raise ConfigError(unknown("argument", name, [*own, *CommonArguments.__annotations__]))
         self._split = one_of("split", split, SPLITS)

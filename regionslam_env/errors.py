@@ -8,6 +8,9 @@ from collections.abc import Iterable
 LONGEST = 80
 """Names longer than this are not told to their end."""
 
+FEW = 6
+"""So many known names are all listed, even where one is near."""
+
 
 class ConfigError(ValueError):
     """A setting that is unknown, of the wrong type or out of range."""
@@ -27,7 +30,7 @@ def unknown(kind: str, name: object, known: Iterable[str]) -> str:
     name
         What came.
     known
-        Every valid name; all are listed where none is near and they are few.
+        Every valid name; all are listed where none is near or they are few.
     """
     names = sorted(set(known))
     lower: dict[str, str] = {}
@@ -36,11 +39,12 @@ def unknown(kind: str, name: object, known: Iterable[str]) -> str:
     near = [lower[n] for n in difflib.get_close_matches(str(name).lower()[:200], lower, n=3, cutoff=0.6)]
     near = near or [lower[n] for n in lower if f" {n} " in f" {str(name).lower()[:200]} "]
     line = f"unknown {kind} {short(name)}"
-    if near:
-        return f"{line}: did you mean {' or '.join(map(short, near))}?"
     if not names:
         return line
-    return f"{line}: expected one of {listed(names)}"
+    if not near:
+        return f"{line}: expected one of {listed(names)}"
+    line += f": did you mean {' or '.join(map(short, near))}?"
+    return line if len(names) > FEW or len(names) == len(near) else f"{line} Expected one of {listed(names)}"
 
 
 def listed(names: Iterable[str]) -> str:
@@ -50,6 +54,12 @@ def listed(names: Iterable[str]) -> str:
 
 
 def short(name: object) -> str:
-    """Return a name in quotes, its end cut off where it is very long."""
-    text = str(name)
-    return repr(text if len(text) <= LONGEST else text[:LONGEST] + "...")
+    """Return a name in quotes, or what is no text as Python writes it; the end is cut off where it is very long."""
+    text = name if isinstance(name, str) else repr(name)
+    text = text if len(text) <= LONGEST else text[:LONGEST] + "..."
+    return repr(text) if isinstance(name, str) else text
+
+
+def hint(needs: str, extra: str) -> str:
+    """Return one line on what an extra is needed for, e.g. "figures need matplotlib", and how to install it."""
+    return f'{needs}: pip install -e ".[{extra}]"'

@@ -55,22 +55,25 @@ def test_defaults_and_given_ones():
     [
         (RobotConfig, {"radios": 1}, "unknown key of robot 'radios': did you mean 'radius'"),
         (NoiseConfig, {"odometry": {"distanc": 1}}, "unknown key of robot.odometry 'distanc': did you mean 'distance'"),
-        (RobotConfig, {"radius": -1}, "radius is -1"),
+        (RobotConfig, {"radius": -1}, "robot.radius is -1"),
         (RobotConfig, {"radius": math.nan}, "robot.radius is nan, expected a finite number"),
         (RobotConfig, {"radius": "wide"}, "robot.radius is 'wide', expected a number"),
         (RobotConfig, {"radius": None}, "robot.radius is None, expected a number"),
         (RobotConfig, {"substeps": 2.5}, "robot.substeps is 2.5, expected a whole number"),
         (SensorConfig, {"occlusion": "yes"}, "robot.occlusion is 'yes', expected true or false"),
-        (SensorConfig, {"confidence": 1.5}, "confidence is 1.5, expected a probability"),
-        (SensorConfig, {"field_of_view": 7.0}, "field_of_view is 7.0 rad"),
-        (SensorConfig, {"n_view_rays": 3}, "n_view_rays is 3"),
-        (NoiseConfig, {"misses": -0.1}, "misses is -0.1"),
-        (NoiseConfig, {"regions": {"sigma_xy": -1.0}}, "sigma_xy is -1.0"),
+        (SensorConfig, {"confidence": 1.5}, "robot.confidence is 1.5, expected a probability"),
+        (SensorConfig, {"field_of_view": 7.0}, "robot.field_of_view is 7.0 rad"),
+        (SensorConfig, {"n_view_rays": 3}, "robot.n_view_rays is 3"),
+        (NoiseConfig, {"misses": -0.1}, "robot.misses is -0.1"),
+        (NoiseConfig, {"regions": {"sigma_xy": -1.0}}, "robot.regions.sigma_xy is -1.0"),
+        (NoiseConfig, {"odometry": {"distance": -1}}, "robot.odometry: motion noise: distance is -1"),
+        (NoiseConfig, {"regions": {"sigma_xy": 0}}, "robot.regions.sigma_xy is 0"),
+        (NoiseConfig, {"odometry": {"distance": 1e5}}, "robot.odometry.distance is 100000.0, expected a number of at"),
         (NoiseConfig, 3, "robot is 3, expected a dictionary or NoiseConfig"),
     ],
 )
 def test_what_cannot_be_is_refused(config, values, message):
-    with pytest.raises(ConfigError, match=message.replace("(", r"\(")):
+    with pytest.raises(ConfigError, match="^" + message.replace("(", r"\(")):
         from_dict(config, values, "robot")
 
 
@@ -95,14 +98,14 @@ def test_nothing_moves_by_default():
     [
         ("peple", "unknown dynamics 'peple': did you mean 'people'"),
         ({"persons": 1}, "unknown key of dynamics 'persons'"),
-        ({"people": -1}, "people is -1, expected a number of at least 0"),
+        ({"people": -1}, "dynamics.people is -1, expected a number of at least 0"),
         ({"people": 1.5}, "dynamics.people is 1.5, expected a whole number"),
-        ({"closing_doors": 1.5}, r"closing_doors is 1.5, expected a probability in \[0, 1\]"),
-        ({"time_closed": 0}, "time_closed is 0.0, expected a number above 0"),
+        ({"closing_doors": 1.5}, r"dynamics.closing_doors is 1.5, expected a probability in \[0, 1\]"),
+        ({"time_closed": 0}, "dynamics.time_closed is 0.0, expected a number above 0"),
         ({"furniture_mass": math.inf}, "dynamics.furniture_mass is inf, expected a finite number"),
         (3, "dynamics is 3, expected a dictionary or DynamicsConfig"),
     ],
 )
 def test_bad_dynamics_are_refused(dynamics, message):
-    with pytest.raises(ConfigError, match=message):
+    with pytest.raises(ConfigError, match="^" + message):
         dynamics_set(dynamics)

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from agents.console import InputError
+from regionslam_env.errors import hint
 from regionslam_env.rendering import palette
 from slam.storage import replacing
 
@@ -32,7 +33,7 @@ def new_figure(width: float, height: float) -> Any:
         from matplotlib.backends.backend_agg import FigureCanvasAgg
         from matplotlib.figure import Figure
     except ImportError as error:
-        raise InputError("figures need matplotlib: pip install 'regionslam-env[plots]'") from error
+        raise InputError(hint("figures need matplotlib", "plots")) from error
     figure = Figure(figsize=(width, height))
     FigureCanvasAgg(figure)
     return figure

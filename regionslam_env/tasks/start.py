@@ -9,7 +9,7 @@ import numpy as np
 
 from regionslam_env.errors import ConfigError, WorldError
 from regionslam_env.worlds.feature import FARTHEST
-from regionslam_env.worlds.geodesic import Field, Geodesic
+from regionslam_env.worlds.geodesic import MARGIN, Field, Geodesic
 
 Pose = tuple[float, float, float]
 
@@ -47,6 +47,12 @@ def checked_start(geodesic: Geodesic, start: Sequence[float], standing: bool) ->
     if not isinstance(values, list) or len(values) != 3 or not all(map(_is_finite, values)):
         raise ConfigError(f"start is {start!r}, expected a pose (x, y, theta) in m, m, rad")
     x, y, theta = values
+    x0, y0, x1, y1 = geodesic.world.bounds
+    if not standing and not (x0 - MARGIN <= x <= x1 + MARGIN and y0 - MARGIN <= y <= y1 + MARGIN):
+        raise ConfigError(
+            f"world {geodesic.world.name!r}: start ({x:g}, {y:g}) lies outside, "
+            f"expected x from {x0:.1f} to {x1:.1f} m and y from {y0:.1f} to {y1:.1f} m"
+        )
     if not standing and not geodesic.free(x, y):
         raise ConfigError(
             f"world {geodesic.world.name!r}: start ({x:g}, {y:g}) is not free for a robot of "

@@ -19,7 +19,6 @@ names the level of a feature (default "0").
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Iterator
 from itertools import pairwise
 from pathlib import Path
@@ -31,6 +30,7 @@ from regionslam_env.errors import WorldError, unknown
 from regionslam_env.worlds.feature import Feature
 from regionslam_env.worlds.world import Door, Link, Region, World
 from slam.rows import Floats, Row
+from slam.storage import replacing
 
 KINDS = ("region", "wall", "door", "obstacle", "link")
 MAX_BYTES = 50_000_000
@@ -106,13 +106,8 @@ def save_world(world: World, path: str | Path) -> None:
     if world.spawn is not None:
         head["spawn"] = list(world.spawn)
     text = json.dumps(head, ensure_ascii=False)[:-1] + f', "features": [\n{lines}\n]}}\n'
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
+    with replacing(path) as temporary:
         temporary.write_text(text, encoding="utf-8")
-        os.replace(temporary, path)
-    except BaseException:
-        temporary.unlink(missing_ok=True)
-        raise
 
 
 def read_json(path: Path) -> Any:

@@ -55,5 +55,5 @@ def test_it_does_not_depend_on_where_it_begins():
 
 def test_without_gtsam_it_says_what_to_install(monkeypatch):
     monkeypatch.setattr(batch, "AVAILABLE", False)
-    with pytest.raises(ModuleNotFoundError, match=r"regionslam-env\[ref\]"):
+    with pytest.raises(ModuleNotFoundError, match=r'pip install -e "\.\[ref\]"'):
         Batch(MotionNoise(), [], [], EdgeEKF(MotionNoise(), 1), np.zeros((0, 3)))

@@ -188,6 +188,17 @@ def test_an_output_folder_that_is_a_file(tmp_path):
     assert result.exit_code == 2 and "expected a folder" in result.stderr
 
 
+@pytest.mark.parametrize("command", [("generate", "office"), ("import", EXAMPLES / "home.json")])
+def test_a_world_that_cannot_be_written_is_named_as_it_was_given(command, tmp_path):
+    (tmp_path / "file").write_text("")
+    target = tmp_path / "file" / "a.geojson"
+    result = invoke("world", *command, "--out", target)
+    assert result.exit_code == 2 and result.stderr.startswith(f"error: {tmp_path / 'file'}")
+    assert ".a" not in result.stderr and result.stderr.count("\n") == 1
+    made = tmp_path / "new" / "folder" / "a.geojson"
+    assert invoke("world", *command, "--out", made).exit_code == 0 and [made] == list(made.parent.iterdir())
+
+
 @pytest.mark.compiled
 def test_worlds_are_listed_and_shown(tmp_path):
     worlds = last_json(invoke("world", "list", "--json"))["worlds"]
@@ -266,8 +277,12 @@ def test_evaluation_prints_means_and_intervals(tmp_path):
     assert values["metrics"]["false_arrival"]["n"] == 0  # nothing to declare in GoTo-v0
     assert "95 % interval" in result.stdout
     assert values["settings"] == {
-        "world": "institute", "split": "test", "localization": "oracle",
-        "noise": "standard", "dynamics": "people", "goal": "kitchen",
+        "world": "institute",
+        "split": "test",
+        "localization": "oracle",
+        "noise": "standard",
+        "dynamics": "people",
+        "goal": "kitchen",
     }
     assert json.loads((tmp_path / "summary.json").read_text()) == values
 

@@ -77,7 +77,7 @@ def without_pygame(monkeypatch):
 
 def test_without_pygame_it_says_what_to_install(monkeypatch):
     without_pygame(monkeypatch)
-    with pytest.raises(InputError, match=r"regionslam-env\[render\]"):
+    with pytest.raises(InputError, match=r'pip install -e "\.\[render\]"'):
         play(make())
 
 

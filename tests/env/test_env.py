@@ -360,7 +360,21 @@ def test_types_outside_the_vocabulary_are_observed_as_other():
         ({"env_class": MissionEnv, "mission": 3}, "mission is 3, expected words such as"),
         ({"env_class": MissionEnv, "n_goals": 0}, "n_goals is 0"),
         ({"goal": ["kitchen"]}, "goal is ['kitchen'], expected a semantic type"),
-        ({"env_class": ExploreEnv, "goal": "kitchen"}, "unknown argument 'goal'"),
+        (
+            {"env_class": ExploreEnv, "goal": "kitchen"},
+            "goal is 'kitchen', but RegionSLAM/Explore-v0 is always the same; RegionSLAM/GoTo-v0 takes goal",
+        ),
+        (
+            {"mission": "explore"},
+            "mission is 'explore', but RegionSLAM/GoTo-v0 takes goal; RegionSLAM/Mission-v0 takes mission",
+        ),
+        (
+            {"env_class": MissionEnv, "goal": "kitchen"},
+            "goal is 'kitchen', but RegionSLAM/Mission-v0 takes mission; RegionSLAM/GoTo-v0 takes goal",
+        ),
+        ({"localization": None}, "unknown localization None: expected one of 'odometry', 'oracle', 'slam'"),
+        ({"robot": {"mass": -1}}, "robot.mass is -1"),
+        ({"arrival": "say"}, "did you mean 'stay'? Expected one of 'declare', 'stay'"),
         ({"wrld": "office"}, "did you mean 'world'"),
         ({"start_dist": 3}, "did you mean 'start_distance'"),
         ({"env_class": ExploreEnv, "map_share": 0}, "map_share is 0"),
@@ -391,6 +405,11 @@ def test_what_is_unknown_is_told_with_the_nearest_known(kwargs, message):
 def test_unknown_options_of_reset_are_refused(env):
     with pytest.raises(ValueError, match="did you mean 'start'"):
         env.reset(options={"strat": (0, 0, 0)})
+
+
+def test_a_start_outside_of_the_world_is_told_as_that(env):
+    with pytest.raises(ValueError, match=r"start \(1000, 2\) lies outside, expected x from -?[\d.]+ to [\d.]+ m and y"):
+        env.reset(options={"start": (1000, 2, 0)})
 
 
 def test_noise_by_name_or_dictionary():

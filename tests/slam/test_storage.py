@@ -110,3 +110,13 @@ def test_pickles_are_not_read(tmp_path: Path) -> None:
     np.savez(tmp_path / "state.npz", evil=np.array([{}], dtype=object))
     with pytest.raises(MapError, match="not a file of arrays"):
         load_arrays(tmp_path / "state.npz")
+
+
+def test_a_file_that_cannot_be_made_is_named_as_it_was_given(tmp_path, monkeypatch):
+    def refuse(**options):
+        raise PermissionError(13, "Permission denied", str(tmp_path / ".map-1234"))
+
+    monkeypatch.setattr("tempfile.mkstemp", refuse)
+    with pytest.raises(PermissionError) as caught, replacing(tmp_path / "map.geojson"):
+        pass
+    assert caught.value.filename == str(tmp_path / "map.geojson")

@@ -29,8 +29,8 @@ class WorldOptions:
 
     def __post_init__(self) -> None:
         if not SMALLEST <= self.size <= LARGEST:
-            raise ConfigError(f"world_options.size is {self.size}, expected {SMALLEST} to {LARGEST} regions")
+            raise ConfigError(f"size is {self.size}, expected {SMALLEST} to {LARGEST} regions")
         for name in ("clutter", "ambiguity"):
             value = getattr(self, name)
             if not 0 <= value <= 1:
-                raise ConfigError(f"world_options.{name} is {value}, expected a share from 0 to 1")
+                raise ConfigError(f"{name} is {value}, expected a share from 0 to 1")

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import shapely
 
-from regionslam_env.errors import WorldError
+from regionslam_env.errors import WorldError, hint
 from regionslam_env.worlds.importers.drawing import Drawing, DrawnDoor, largest
 from regionslam_env.worlds.importers.levels import choose
 from regionslam_env.worlds.importers.realise import ImportOptions
@@ -79,7 +79,7 @@ def _open(source: Source) -> Any:
     try:
         import ifcopenshell
     except ImportError:
-        raise WorldError(f"{source.path}: IFC needs the extra ifc: pip install 'regionslam-env[ifc]'") from None
+        raise WorldError(hint(f"{source.path}: IFC needs the extra ifc", "ifc")) from None
     text = source.text
     _check_references(source, text)
     try:

@@ -210,7 +210,10 @@ def test_another_seed_gives_another_world():
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (("offise", 0), "unknown kind of world 'offise': did you mean 'office'?"),
+        (
+            ("offise", 0),
+            "unknown kind of world 'offise': did you mean 'office'? Expected one of 'apartment', 'campus', 'hospital', 'office', 'school'",
+        ),
         (("office", -1), "world seed is -1, expected a whole number of at least 0"),
         (("office", 1.5), "world seed is 1.5, expected a whole number of at least 0"),
         (("office", 0, {"size": 4}), "world_options.size is 4, expected 5 to 10000 regions"),
@@ -218,7 +221,10 @@ def test_another_seed_gives_another_world():
         (("office", 0, {"size": 30.5}), "world_options.size is 30.5, expected a whole number"),
         (("office", 0, {"clutter": 1.5}), "world_options.clutter is 1.5, expected a share from 0 to 1"),
         (("office", 0, {"ambiguity": float("nan")}), "world_options.ambiguity is nan, expected a finite number"),
-        (("office", 0, {"cluter": 0.5}), "unknown key of world_options 'cluter': did you mean 'clutter'?"),
+        (
+            ("office", 0, {"cluter": 0.5}),
+            "unknown key of world_options 'cluter': did you mean 'clutter'? Expected one of 'ambiguity', 'clutter', 'size'",
+        ),
         (("office", 0, 7), "world_options is 7, expected a dictionary or WorldOptions"),
     ],
 )
