@@ -11,7 +11,7 @@ SETUP := pyproject.toml constraints.txt $(wildcard packaging/*)
 .PHONY: demo test slow compat check docs format clean
 
 demo: $(VENV)/.core
-	$(BIN)/regionslam run "go to the kitchen" --world institute --seed 1 --out out/demo
+	$(BIN)/regionslam run "go to the kitchen" --seed 1 --out out/demo
 
 test: $(VENV)/.test
 	$(BIN)/python -m pytest -q

@@ -1,4 +1,4 @@
-"""The page that leads from the paper to the code names what is there."""
+"""The page that leads from the paper to the code names what is there, and the demo is one and the same."""
 
 from __future__ import annotations
 
@@ -28,6 +28,11 @@ def defined(path: Path) -> set[str]:
         if isinstance(node, ast.ClassDef):
             found |= {f"{node.name}.{inner.name}" for inner in node.body if isinstance(inner, ast.FunctionDef)}
     return found
+
+
+def test_the_demo_is_the_same_run_with_make_and_without():
+    (demo,) = re.findall(r"^\t\$\(BIN\)/(regionslam run .*)$", (ROOT / "Makefile").read_text("utf-8"), re.MULTILINE)
+    assert f"`{demo}`" in (ROOT / "README.md").read_text("utf-8")
 
 
 @pytest.mark.parametrize("number", range(1, 24))
