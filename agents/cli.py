@@ -150,7 +150,7 @@ def train(
     env: EnvId = "RegionSLAM/GoTo-v0",
     steps: Annotated[int, typer.Option(min=1, help="Environment steps in all.")] = 1_000_000,
     seed: Annotated[int, typer.Option(min=0, help="Seed of policy and episodes.")] = 0,
-    out: Annotated[Path, typer.Option(help="File of the model; logs go beside it.")] = Path("runs/ppo.zip"),
+    out: Annotated[Path, typer.Option(help="File of the model (.zip); logs go beside it.")] = Path("runs/ppo.zip"),
     n_envs: Annotated[int, typer.Option("--envs", min=1, help="Environments side by side.")] = 1,
     checkpoint_every: Annotated[int, typer.Option(min=1, help="Steps between checkpoints.")] = 50_000,
     world: Annotated[

@@ -29,7 +29,8 @@ class TrainSettings:
     seed
         Of policy, rollouts and episodes.
     out
-        The model's file; logs for TensorBoard and checkpoints go into a folder of the same name beside it.
+        The model's file, a `.zip` (added where there is no ending); logs for TensorBoard and checkpoints go into a
+        folder of the same name beside it.
     n_envs
         Environments side by side, each in a process of its own if there are several.
     checkpoint_every
@@ -53,8 +54,10 @@ def train(settings: TrainSettings, progress: bool = True) -> Path:
     Raises
     ------
     InputError
-        Where the extra `train` is not installed.
+        For a file of another ending than `.zip`, and where the extra `train` is not installed.
     """
+    if settings.out.suffix not in ("", ".zip"):
+        raise InputError(f"{settings.out}: ending {settings.out.suffix!r}, expected .zip")
     sb3 = _library()
     out = settings.out.with_suffix(".zip")
     logs = out.with_suffix("")

@@ -145,6 +145,7 @@ def test_a_failed_exploration_says_how_much_is_missing(monkeypatch):
             ("RegionSLAM/Explore-v0 is always the same; RegionSLAM/GoTo-v0 takes --goal",),
         ),
         (("evaluate", "random", "--split", "tests"), ("tests", "'test'")),
+        (("train", "--out", "runs/x.foo"), ("runs/x.foo: ending '.foo', expected .zip",)),
         (("train", "--env", "CartPole-v1"), ("CartPole-v1", "RegionSLAM/GoTo-v0")),
         (("benchmark", "envs"), ("envs", "'env'")),
         (("benchmark", "tour", "--seeds", "0"), ("seeds",)),

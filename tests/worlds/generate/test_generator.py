@@ -212,7 +212,8 @@ def test_another_seed_gives_another_world():
     [
         (
             ("offise", 0),
-            "unknown kind of world 'offise': did you mean 'office'? Expected one of 'apartment', 'campus', 'hospital', 'office', 'school'",
+            "unknown kind of world 'offise': did you mean 'office'? "
+            "Expected one of 'apartment', 'campus', 'hospital', 'office', 'school'",
         ),
         (("office", -1), "world seed is -1, expected a whole number of at least 0"),
         (("office", 1.5), "world seed is 1.5, expected a whole number of at least 0"),
@@ -223,7 +224,8 @@ def test_another_seed_gives_another_world():
         (("office", 0, {"ambiguity": float("nan")}), "world_options.ambiguity is nan, expected a finite number"),
         (
             ("office", 0, {"cluter": 0.5}),
-            "unknown key of world_options 'cluter': did you mean 'clutter'? Expected one of 'ambiguity', 'clutter', 'size'",
+            "unknown key of world_options 'cluter': did you mean 'clutter'? "
+            "Expected one of 'ambiguity', 'clutter', 'size'",
         ),
         (("office", 0, 7), "world_options is 7, expected a dictionary or WorldOptions"),
     ],
