@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import Literal, NamedTuple
+import operator
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from gymnasium import spaces
@@ -73,3 +74,20 @@ def read_actions(
         raise ValueError(f"action {i} is {values[i]!r}, expected {shape[1]} finite numbers in [-1, 1]")
     declared = values[:, 2] > 0 if shape[1] == 3 else np.zeros(len(values), np.bool_)
     return np.clip(values[:, :2], -1.0, 1.0), declared
+
+
+def read_choice(action: Any, count: int) -> int:
+    """Return the number of one of `count` discrete actions.
+
+    Raises
+    ------
+    ValueError
+        For anything but a whole number from 0 to `count` - 1.
+    """
+    try:
+        number = operator.index(action)
+    except TypeError:
+        number = -1
+    if not 0 <= number < count:
+        raise ValueError(f"action is {action!r}, expected a whole number from 0 to {count - 1}")
+    return number

@@ -9,6 +9,8 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
+from regionslam_env.actions import read_choice
+
 MOTIONS = {
     "forward": (1.0, 0.0),
     "forward left": (0.7, 0.5),
@@ -42,7 +44,11 @@ class DiscreteActions(gymnasium.ActionWrapper[Any, np.int64, NDArray[np.float32]
         self.action_space = spaces.Discrete(len(self.names))
 
     def action(self, action: np.int64) -> NDArray[np.float32]:
-        """Return the continuous action with this number."""
-        if not 0 <= int(action) < len(self._actions):
-            raise ValueError(f"action is {action!r}, expected a number from 0 to {len(self._actions) - 1}")
-        return self._actions[int(action)].copy()
+        """Return the continuous action with this number.
+
+        Raises
+        ------
+        ValueError
+            For anything but the number of an action.
+        """
+        return self._actions[read_choice(action, len(self._actions))].copy()

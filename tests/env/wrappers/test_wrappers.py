@@ -1,3 +1,4 @@
+import re
 import warnings
 
 import gymnasium
@@ -47,10 +48,16 @@ def test_only_the_last_action_declares(declaring):
     assert terminated and info["success"]
 
 
-@pytest.mark.parametrize("action", [-1, len(MOTIONS)])
-def test_a_number_without_an_action_is_refused(env, action):
-    with pytest.raises(ValueError, match="expected a number from 0 to"):
-        DiscreteActions(env).action(action)
+@pytest.mark.parametrize("action", [-1, len(MOTIONS), "forward", 1.5, None, [1], np.array([1])])
+def test_what_is_no_number_of_an_action_is_refused(env, action):
+    message = f"action is {action!r}, expected a whole number from 0 to {len(MOTIONS) - 1}"
+    with pytest.raises(ValueError, match=f"^{re.escape(message)}$"):
+        DiscreteActions(env).step(action)
+
+
+@pytest.mark.parametrize("action", [2, np.int64(2), np.array(2)])
+def test_any_kind_of_whole_number_is_an_action(env, action):
+    assert DiscreteActions(env).action(action) == pytest.approx(MOTIONS["forward right"])
 
 
 def test_wrapping_what_does_not_fit_is_refused():
