@@ -77,8 +77,9 @@ def gallery(
     rows = [[_world(name, seed + k, size) for k in range(3)] for name in kinds]
     if kind is not None:
         rows += [[_world(kind, seed, size, option, value) for value in LADDERS[option]] for option in LADDERS]
+    picture = draw_gallery(rows)
     with replacing(out) as temporary:
-        draw_gallery(rows).save(temporary)
+        (picture if out.suffix.lower() == ".png" else picture.convert("RGB")).save(temporary)
     console().print(f"Drawn: {out}")
     if json:
         print_json({"file": str(out), "kinds": kinds, "seeds": [seed, seed + 1, seed + 2]})

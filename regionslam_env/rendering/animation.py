@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import os
 from collections.abc import Iterable
 from pathlib import Path
@@ -12,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from regionslam_env.rendering.palette import Colour
+from regionslam_env.rendering.palette import Colour, colour_table
 from slam.storage import replacing
 
 
@@ -74,10 +73,7 @@ class GifWriter:
 
 
 def _palette(colours: Iterable[Colour]) -> Image.Image:
-    """Return a palette of the colours given and as fine a cube of all colours as there is room for."""
-    own = list(dict.fromkeys(colours))[:248]
-    levels = int((256 - len(own)) ** (1 / 3) + 1e-9)
-    cube = itertools.product(np.linspace(0, 255, levels).round().astype(int).tolist(), repeat=3)
+    """Return these colours, and others as there is room, as the palette of an image."""
     palette = Image.new("P", (1, 1))
-    palette.putpalette([level for colour in (*own, *cube) for level in colour])
+    palette.putpalette([level for colour in colour_table(colours) for level in colour])
     return palette

@@ -9,7 +9,7 @@ from PIL import Image, ImageDraw
 
 from regionslam_env.rendering.layers import draw_world
 from regionslam_env.rendering.legend import draw_legend, legend_height
-from regionslam_env.rendering.palette import FAINT, FLOOR, INK, MUTED, PAPER, font
+from regionslam_env.rendering.palette import FAINT, FLOOR, INK, MUTED, PAPER, font, picture_colours, reduced
 from regionslam_env.rendering.panel import Panel, Viewport
 from regionslam_env.rendering.shapes import shapes_of_world
 from regionslam_env.worlds.world import World
@@ -19,7 +19,7 @@ TITLE = 30
 
 
 def draw_gallery(rows: Sequence[Sequence[World]], cell: tuple[int, int] = (420, 300)) -> Image.Image:
-    """Return a picture of worlds in rows.
+    """Return a picture of worlds in rows, in mode "P": a small file with the exact colours of the legend.
 
     Parameters
     ----------
@@ -47,4 +47,4 @@ def draw_gallery(rows: Sequence[Sequence[World]], cell: tuple[int, int] = (420, 
             extent = f"{x1 - x0:.0f} x {y1 - y0:.0f} m"
             draw.text((x + cell[0], y + TITLE - 6), extent, MUTED, font(13), anchor="rs")
     draw_legend(picture, MARGIN, top, width - 2 * MARGIN, types, ())
-    return picture
+    return reduced(picture, picture_colours(types))

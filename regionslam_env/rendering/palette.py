@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import colorsys
 import hashlib
+import itertools
 from collections.abc import Iterable
 from functools import cache, lru_cache
 
+import numpy as np
 from PIL import Image, ImageDraw, ImageFilter, ImageFont
 
 Colour = tuple[int, int, int]
@@ -80,6 +82,25 @@ def picture_colours(types: Iterable[str]) -> list[Colour]:
         colours += [ground, blend(ground, LIDAR, LIDAR_SHARE), blend(ground, INK, 0.35), blend(ground, INK, 0.7)]
         colours += [blend(ground, PAPER, 0.25), blend(ground, PAPER, 0.5)]
     return list(dict.fromkeys(colours))
+
+
+def colour_table(colours: Iterable[Colour]) -> list[Colour]:
+    """Return at most 256 colours: those given and as fine a cube of all colours as there is room for."""
+    own = list(dict.fromkeys(colours))[:248]
+    levels = int((256 - len(own)) ** (1 / 3) + 1e-9)
+    steps = np.linspace(0, 255, levels).round().astype(int).tolist()
+    return [*own, *itertools.product(steps, repeat=3)]
+
+
+def reduced(picture: Image.Image, colours: Iterable[Colour]) -> Image.Image:
+    """Return a picture in mode "P": these colours stay exact, which Pillow's own reduction does not promise."""
+    table = np.array(colour_table(colours), np.int64)
+    codes, inverse = np.unique(np.asarray(picture, np.int64) @ (1 << 16, 1 << 8, 1), return_inverse=True)
+    found = np.stack([codes >> 16, codes >> 8 & 255, codes & 255], axis=1)
+    nearest = np.sum((found[:, None] - table) ** 2, axis=2).argmin(axis=1).astype(np.uint8)
+    image = Image.fromarray(nearest[inverse].reshape(picture.height, picture.width))
+    image.putpalette(table.ravel().tolist())
+    return image
 
 
 @cache

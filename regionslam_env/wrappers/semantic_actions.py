@@ -39,8 +39,8 @@ class SemanticActions(gymnasium.Wrapper[Observation, Any, Observation, Any]):
     Rewards and reward terms are summed over the steps of the environment. `info` is that of the last one, and also has
 
     * ``steps``: how many steps of the environment it took,
-    * ``outcome``: "arrived" (a second ago), "looked" (once around), "blocked" (no way on), "limit", "ended" (the episode
-      did), "declared" or "refused",
+    * ``outcome``: "arrived" (a second ago), "looked" (once around), "blocked" (no way on), "limit", "ended" (the
+      episode did), "declared" or "refused",
     * ``action_mask``: which actions can be chosen next, int8 (also after a reset).
 
     An action whose slot is empty is refused: the robot stands still for one step. `action_masks()` gives the mask as

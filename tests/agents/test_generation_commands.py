@@ -7,6 +7,7 @@ from typer.testing import CliRunner
 from agents import generation_commands as commands
 from agents.cli import app
 from regionslam_env.rendering.gallery import draw_gallery
+from regionslam_env.rendering.palette import PAPER, type_colour
 from regionslam_env.worlds.format import load_world
 from regionslam_env.worlds.generate.generator import KINDS, generate
 
@@ -64,6 +65,15 @@ def test_the_gallery_shows_every_kind(tmp_path):
     assert result.exit_code == 0 and last_json(result)["kinds"] == list(KINDS)
     picture = Image.open(tmp_path / "worlds.png")
     assert picture.size[0] > 1000 and picture.size[1] > 5 * 300
+    colours = {colour for _, colour in picture.convert("RGB").getcolors(1 << 24)}
+    assert {PAPER, *map(type_colour, ("bed", "door", "hallway", "office"))} <= colours and len(colours) <= 256
+
+
+@pytest.mark.parametrize("ending", ["jpg", "webp"])
+def test_a_gallery_has_the_format_of_its_ending(ending, tmp_path):
+    path = tmp_path / f"worlds.{ending}"
+    assert invoke("world", "gallery", "--kind", "apartment", "--size", 10, "--out", path).exit_code == 0
+    assert Image.open(path).mode == "RGB"
 
 
 def test_the_gallery_of_one_kind_has_rows_of_difficulty(tmp_path, monkeypatch):
