@@ -43,7 +43,7 @@ def draw_gallery(rows: Sequence[Sequence[World]], cell: tuple[int, int] = (420, 
             picture.paste(panel.finish(), (x, y + TITLE))
             draw.rectangle((x, y + TITLE, x + cell[0] - 1, y + TITLE + cell[1] - 1), outline=FAINT)
             x0, y0, x1, y1 = world.bounds
-            draw.text((x, y + TITLE - 6), world.name, INK, font(16), anchor="ls")
+            draw.text((x, y + TITLE - 6), world.name, INK, font(16, world.name), anchor="ls")
             extent = f"{x1 - x0:.0f} x {y1 - y0:.0f} m"
             draw.text((x + cell[0], y + TITLE - 6), extent, MUTED, font(13), anchor="rs")
     draw_legend(picture, MARGIN, top, width - 2 * MARGIN, types, ())

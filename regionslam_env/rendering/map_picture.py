@@ -94,7 +94,7 @@ def _compose(
     picture.paste(panel.finish(), (MARGIN, HEADER))
     draw = ImageDraw.Draw(picture)
     draw.rectangle((MARGIN, HEADER, MARGIN + inner - 1, HEADER + panel.size[1] - 1), outline=FAINT)
-    draw.text((MARGIN, HEADER // 2), title, INK, font(22), anchor="lm")
+    draw.text((MARGIN, HEADER // 2), title, INK, font(22, title), anchor="lm")
     metres = next((m for m in (1, 2, 5, 10, 20, 50) if m * scale > 60), 100)
     right = MARGIN + inner
     draw.line((right - metres * scale, HEADER - 14, right, HEADER - 14), MUTED, 2)

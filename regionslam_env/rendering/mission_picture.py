@@ -86,7 +86,7 @@ def draw_mission(
     foot = legend_height(width - 2 * MARGIN, types, signs)
     picture = Image.new("RGB", (width, caption_y + CAPTION + foot + MARGIN // 2), PAPER)
     draw = ImageDraw.Draw(picture)
-    draw.text((MARGIN, HEADER // 2), end.title, INK, font(28), anchor="lm")
+    draw.text((MARGIN, HEADER // 2), end.title, INK, font(28, end.title), anchor="lm")
     numbers = f"{end.seconds:.0f} s    {end.driven:.0f} m driven"
     draw.text((width - MARGIN, HEADER // 2), numbers, MUTED, font(18), anchor="rm")
     columns = (
@@ -100,8 +100,8 @@ def draw_mission(
         picture.paste(panel.finish(), (x, HEADER + TITLE))
         draw.rectangle((x, HEADER + TITLE, x + inner - 1, HEADER + TITLE + size[1] - 1), outline=FAINT)
     done = "    ".join(f"{k}  {stop.label}" for k, stop in enumerate(stops, 1))
-    draw.text((MARGIN, caption_y + CAPTION // 2), done, INK, font(18), anchor="lm")
-    draw.text((width - MARGIN, caption_y + CAPTION // 2), end.caption, INK, font(18), anchor="rm")
+    draw.text((MARGIN, caption_y + CAPTION // 2), done, INK, font(18, done), anchor="lm")
+    draw.text((width - MARGIN, caption_y + CAPTION // 2), end.caption, INK, font(18, end.caption), anchor="rm")
     draw_legend(picture, MARGIN, caption_y + CAPTION, width - 2 * MARGIN, types, signs)
     return picture
 
@@ -117,12 +117,11 @@ def _draw_marks(
 ) -> None:
     """Draw where the path began, the numbers of the stops, and the robot where it ended unless that is a stop."""
     points = np.asarray(path, dtype=np.float64)
-    if len(points):
-        (x, y), *_ = view.pixels(points[:1, :2])
-        panel.disc((x, y), MARK - 3, colour)
-        panel.disc((x, y), MARK - 6, PAPER)
-        panel.keep_clear((x, y), MARK - 3)
-        panel.text(x, y + MARK + 7, "start", colour, 15, halo=PAPER)
+    starts = view.pixels(points[:1, :2]) if len(points) else []
+    for start in starts:
+        panel.disc(start, MARK - 3, colour)
+        panel.disc(start, MARK - 6, PAPER)
+        panel.keep_clear(start, MARK - 3)
     for number, stop in enumerate(stops, 1):
         (x, y), *_ = view.pixels(np.asarray(stop, dtype=np.float64)[None, :2])
         panel.disc((x, y), MARK + 1.5, PAPER)
@@ -131,3 +130,5 @@ def _draw_marks(
         panel.text(x, y, str(number), PAPER, 15)
     if not stops or np.hypot(*(np.asarray(stops[-1])[:2] - np.asarray(pose)[:2])) > 2 * robot_radius:
         draw_robot(panel, view, pose, robot_radius, colour, MARK)
+    for start in starts:  # last, when all other texts have come to lie where they stay
+        panel.text_beside(start, MARK - 2, "start", colour, 15, halo=PAPER)

@@ -5,8 +5,11 @@ from __future__ import annotations
 import colorsys
 import hashlib
 import itertools
+import string
 from collections.abc import Iterable
 from functools import cache, lru_cache
+from importlib.resources import files
+from io import BytesIO
 
 import numpy as np
 from PIL import Image, ImageDraw, ImageFilter, ImageFont
@@ -29,6 +32,12 @@ SHUT: Colour = (176, 24, 24)
 
 LIDAR_SHARE = 0.13
 """How strongly the area swept by the lidar is tinted."""
+
+PLAIN = frozenset(string.ascii_letters + string.digits + string.punctuation + " \n©«°±´·»‘’“”…‹›⁄™")
+"""Characters that Pillow's own font has."""
+
+WIDE = 0.92
+"""Size of the other font, whose letters are wider, over that of Pillow's own."""
 
 _TYPES: dict[str, str] = {
     "hallway": "#f1e9d2",
@@ -103,15 +112,21 @@ def reduced(picture: Image.Image, colours: Iterable[Colour]) -> Image.Image:
     return image
 
 
-@cache
-def font(size: int) -> ImageFont.FreeTypeFont:
-    """Return Pillow's own font, so that pictures look alike on every machine.
+def font(size: int, text: str = "") -> ImageFont.FreeTypeFont:
+    """Return a font that has the letters of a text, the same one on every machine.
+
+    Pillow's own where that will do; else a part of DejaVu Sans with the letters of European languages.
 
     Raises
     ------
     OSError
         Where Pillow was built without FreeType.
     """
+    return _own_font(size) if PLAIN.issuperset(text) else _wide_font(size)
+
+
+@cache
+def _own_font(size: int) -> ImageFont.FreeTypeFont:
     loaded = ImageFont.load_default(size)
     if not isinstance(loaded, ImageFont.FreeTypeFont):
         raise OSError("Pillow was built without FreeType, which the pictures' text needs")
@@ -119,17 +134,23 @@ def font(size: int) -> ImageFont.FreeTypeFont:
 
 
 @cache
+def _wide_font(size: int) -> ImageFont.FreeTypeFont:
+    data = (files("regionslam_env.rendering") / "fonts" / "DejaVuSans-subset.ttf").read_bytes()
+    return ImageFont.truetype(BytesIO(data), WIDE * size)
+
+
+@cache
 def text_width(text: str, size: int) -> float:
     """Return the width of a text, px."""
-    return font(size).getlength(text)
+    return font(size, text).getlength(text)
 
 
 @lru_cache(maxsize=4096)
 def text_mask(text: str, size: int) -> Image.Image:
     """Return a text's coverage, mode "L": pasted through it, any colour is quicker than set anew."""
-    left, top, right, bottom = font(size).getbbox(text)
+    left, top, right, bottom = font(size, text).getbbox(text)
     mask = Image.new("L", (max(1, int(right - left) + 2), max(1, int(bottom - top) + 2)))
-    ImageDraw.Draw(mask).text((1 - left, 1 - top), text, 255, font(size))
+    ImageDraw.Draw(mask).text((1 - left, 1 - top), text, 255, font(size, text))
     return mask
 
 

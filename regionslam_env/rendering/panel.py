@@ -74,9 +74,11 @@ class Panel:
     def __init__(self, size: tuple[int, int], background: Colour | Panel) -> None:
         self.size = size
         self._texts: list[_Text] = []
+        self._clear: list[tuple[float, float, float]] = []  # discs that no text may cover
         if isinstance(background, Panel):
             self._image: Image.Image = background._image.copy()
             self._texts += background._texts
+            self._clear += background._clear
         else:
             self._image = Image.new("RGB", (size[0] * SUPERSAMPLING, size[1] * SUPERSAMPLING), background)
         self._draw = ImageDraw.Draw(self._image)
@@ -139,8 +141,29 @@ class Panel:
         """
         self._texts.append((x, y, text, colour, size, halo))
 
+    def text_beside(
+        self, mark: tuple[float, float], radius: float, text: str, colour: Colour, size: int, halo: Colour
+    ) -> None:
+        """Set a text below, above, right or left of a disc: the first place free of other texts and clear discs."""
+        (x, y), half = mark, text_width(text, size) / 2
+        up, aside = radius + 0.5 * size + 2, radius + half + 4
+        places = [(x, y + up), (x, y - up), (x + aside, y), (x - aside, y)]
+        place = next((p for p in places if self._is_free(p, half, size)), places[0])
+        self.text(*place, text, colour, size, halo)
+
+    def _is_free(self, place: tuple[float, float], half: float, size: int) -> bool:
+        """Return whether a text of this half width would lie in the panel, beside all others and off clear discs."""
+        taken = [(x, y, text_width(text, other) / 2 + 2, other / 2 + 2) for x, y, text, _, other, _ in self._texts]
+        taken += [(x, y, radius, radius) for x, y, radius in self._clear]
+        return (
+            half < place[0] < self.size[0] - half
+            and size / 2 < place[1] < self.size[1] - size / 2
+            and all(abs(x - place[0]) >= half + a or abs(y - place[1]) >= size / 2 + b for x, y, a, b in taken)
+        )
+
     def keep_clear(self, centre: tuple[float, float], radius: float) -> None:
         """Move the texts set so far aside that would cover a disc."""
+        self._clear.append((*centre, radius))
         self._texts = [(*self._aside(text, centre, radius), *text[2:]) for text in self._texts]
 
     def finish(self) -> Image.Image:

@@ -101,7 +101,8 @@ class Renderer:
     start
         True start pose: where the map frame lies in the world, so that both sides show the same part of the floor.
     width
-        Of the picture, px; its height follows from the floor's shape.
+        Of the picture, px; its height follows from the floor's shape. Both are rounded up to even numbers, without
+        which video codecs cannot halve the colours.
     robot_radius, lidar_range
         m.
     close_up
@@ -123,6 +124,7 @@ class Renderer:
         self.world = world
         self.start = np.asarray(start, dtype=np.float64)
         self.robot_radius, self.lidar_range = robot_radius, lidar_range
+        width += width % 2
         panel_width = (width - 3 * MARGIN) // 2
         x0, y0, x1, y1 = world.bounds
         ideal = 20 + (panel_width - 20) * (y1 - y0) / max(x1 - x0, 1e-6)
@@ -139,7 +141,8 @@ class Renderer:
         self.rows = (HEADER + TITLE, HEADER + TITLE + self.overview_size[1] + MARGIN)
         self._caption_y = self.rows[1] + self.close_size[1]
         foot = legend_height(width - 2 * MARGIN, self._legend_types, self._signs)
-        self.size = (width, self._caption_y + CAPTION + foot + MARGIN // 2)
+        height = self._caption_y + CAPTION + foot + MARGIN // 2
+        self.size = (width, height + height % 2)
         self._background = self._draw_background()
 
     @property
@@ -163,12 +166,14 @@ class Renderer:
             for x, panel in zip(self.columns, row, strict=True):
                 picture.paste(panel.finish(), (x, y))
                 draw.rectangle((x, y, x + panel.size[0] - 1, y + panel.size[1] - 1), outline=FAINT)
-        draw.text((MARGIN, HEADER // 2 + 1), snapshot.title, INK, font(22), anchor="lm")
-        now = MARGIN + font(22).getlength(snapshot.title) + 14
-        draw.text((now, HEADER // 2 + 3), snapshot.now, MUTED, font(15), anchor="lm")
+        draw.text((MARGIN, HEADER // 2 + 1), snapshot.title, INK, font(22, snapshot.title), anchor="lm")
+        now = MARGIN + font(22, snapshot.title).getlength(snapshot.title) + 14
+        draw.text((now, HEADER // 2 + 3), snapshot.now, MUTED, font(15, snapshot.now), anchor="lm")
         numbers = f"{snapshot.seconds:.1f} s    {snapshot.driven:.1f} m driven"
         draw.text((self.size[0] - MARGIN, HEADER // 2 + 1), numbers, MUTED, font(15), anchor="rm")
-        draw.text((MARGIN, self._caption_y + CAPTION // 2), snapshot.caption, INK, font(16), anchor="lm")
+        draw.text(
+            (MARGIN, self._caption_y + CAPTION // 2), snapshot.caption, INK, font(16, snapshot.caption), anchor="lm"
+        )
         self._draw_errors(draw, snapshot)
         return picture
 

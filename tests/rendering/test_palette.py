@@ -3,10 +3,20 @@ from __future__ import annotations
 from itertools import combinations
 
 import numpy as np
+import pytest
 from PIL import Image
 
 from regionslam_env.config import SEMANTIC_TYPES
-from regionslam_env.rendering.palette import blend, picture_colours, reduced, type_colour
+from regionslam_env.rendering.palette import (
+    PLAIN,
+    blend,
+    font,
+    picture_colours,
+    reduced,
+    text_mask,
+    text_width,
+    type_colour,
+)
 
 
 def test_the_usual_types_can_be_told_apart():
@@ -28,6 +38,23 @@ def test_a_reduced_picture_keeps_its_own_colours_exact():
     pixels = np.asarray(image.convert("RGB"))[0]
     assert image.mode == "P" and pixels[:-1].tolist() == [list(colour) for colour in colours]
     assert np.abs(pixels[-1].astype(int) - (1, 2, 3)).max() <= 43
+
+
+def test_pillows_own_font_has_what_is_plain():
+    own, nothing = font(20), font(20).getmask("\ufffe")
+    assert all(bytes(own.getmask(c)) != bytes(nothing) for c in PLAIN - {"\n"})
+
+
+@pytest.mark.parametrize("text", ["Lolë", "Crazyfête", "Žižkov", "Ærø", "¿Qué?", "Łódź", "Αθήνα", "Москва", "12 m²"])
+def test_letters_of_european_languages_are_no_empty_boxes(text):
+    chosen = font(20, text)
+    nothing = bytes(chosen.getmask("\ufffe"))
+    assert all(bytes(chosen.getmask(letter)) != nothing for letter in text if letter != " ")
+    assert text_width(text, 20) == chosen.getlength(text) and text_mask(text, 20).getbbox() is not None
+
+
+def test_a_plain_text_keeps_pillows_own_font():
+    assert font(20, "the kitchen") is font(20) is not font(20, "Crazyfête")
 
 
 def test_blend():

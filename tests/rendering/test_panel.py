@@ -59,6 +59,35 @@ def test_a_panel_goes_on_from_another_one_without_changing_it():
     assert (np.asarray(panel.finish())[2:8, 2:8] == 0).all()
 
 
+BELOW, ABOVE, RIGHT, LEFT = (0, 22), (0, -22), (32, 0), (-32, 0)
+
+
+@pytest.mark.parametrize(
+    ("taken", "place"),
+    [([], BELOW), ([BELOW], ABOVE), ([BELOW, ABOVE], RIGHT), ([BELOW, ABOVE, RIGHT], LEFT)],
+    ids=["below", "above", "right", "left"],
+)
+@pytest.mark.parametrize("by", ["text", "disc"])
+def test_a_text_beside_a_mark_takes_the_first_place_that_is_free(taken, place, by):
+    panel = Panel((200, 200), WHITE)
+    for x, y in taken:
+        if by == "text":
+            panel.text(100 + x, 100 + y, "hall", BLACK, 12)
+        else:
+            panel.keep_clear((100 + x, 100 + y), 5)
+    panel.text_beside((100, 100), 12, "start", RED, 15, WHITE)
+    image = np.asarray(panel.finish()).astype(int)
+    y, x = np.nonzero(image[:, :, 0] - image[:, :, 1] > 128)
+    assert (x.mean() - 100, y.mean() - 100) == pytest.approx(place, abs=4)
+
+
+def test_a_text_beside_a_mark_stays_in_the_panel():
+    panel = Panel((200, 110), WHITE)  # no room below
+    panel.text_beside((100, 100), 12, "start", RED, 15, WHITE)
+    image = np.asarray(panel.finish()).astype(int)
+    assert np.nonzero(image[:, :, 0] - image[:, :, 1] > 128)[0].mean() == pytest.approx(78, abs=4)
+
+
 @pytest.mark.parametrize("size", [(200, 40), (200, 100)], ids=["beside", "above or below"])
 def test_texts_move_aside_for_the_robot_and_stay_in_the_panel(size):
     plain, moved = Panel(size, WHITE), Panel(size, WHITE)

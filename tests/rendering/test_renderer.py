@@ -76,6 +76,12 @@ def test_frames_have_one_size_and_share_no_memory(renderer):
     assert (first == kept).all() and (second != first).any()
 
 
+@pytest.mark.parametrize("width", [640, 641, 800, 802, 1280])
+def test_width_and_height_are_even_as_video_codecs_want_them(width):
+    height, drawn, _ = Renderer(world(), START, width=width).frame(snapshot()).shape
+    assert height % 2 == drawn % 2 == 0 and drawn - width in (0, 1)
+
+
 def test_the_same_moment_gives_the_same_picture(renderer):
     again = Renderer(world(), START, width=800)
     assert (renderer.frame(snapshot()) == again.frame(snapshot())).all()
