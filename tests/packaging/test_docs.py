@@ -91,6 +91,31 @@ def test_every_option_of_an_import_is_told():
     assert {name.replace("_", "-") for name in inspect.signature(import_world).parameters} - {"file"} == told
 
 
+@pytest.mark.parametrize("page", sorted(path.name for path in PAGE.parent.glob("*.md")))
+def test_every_link_leads_to_a_file_that_is_there_without_the_site(page):
+    links = re.findall(r"\]\(([^):#]+)(?:#[^)]*)?\)", (PAGE.parent / page).read_text(encoding="utf-8"))
+    assert [link for link in links if not (PAGE.parent / link).is_file()] == []
+
+
+def test_every_setting_is_told_with_its_default():
+    from dataclasses import fields, is_dataclass
+
+    from regionslam_env.config import NoiseConfig, RobotConfig, SensorConfig
+
+    def settings(config):
+        for entry in fields(config):
+            value = getattr(config, entry.name)
+            yield from settings(value) if is_dataclass(value) else [(entry.name, value)]
+
+    text = PAGE.with_name("settings.md").read_text(encoding="utf-8")
+    told = re.findall(r"^\| `(\w+)` \| (\S+) \|", text, flags=re.MULTILINE)
+    defaults = [pair for config in (RobotConfig(), SensorConfig(), NoiseConfig()) for pair in settings(config)]
+    assert {name: float(value == "True" or value) for name, value in told} == {
+        name: pytest.approx(float(value), abs=1e-3 if name == "field_of_view" else 0) for name, value in defaults
+    }
+    assert len(told) == len(defaults)
+
+
 README = ROOT / "README.md"
 
 

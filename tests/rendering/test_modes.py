@@ -6,7 +6,7 @@ import sys
 import gymnasium
 import numpy as np
 import pytest
-from gymnasium.wrappers import RecordVideo
+from gymnasium.wrappers import HumanRendering, RecordVideo
 
 from regionslam_env.envs import GoToEnv
 
@@ -60,6 +60,14 @@ def test_human_opens_a_window_and_draws_every_step(monkeypatch):
     window = pygame.display.get_surface()
     assert window is not None and len(set(map(tuple, pygame.surfarray.array3d(window).reshape(-1, 3).tolist()))) > 10
     env.close()
+
+
+def test_a_window_without_a_warning_is_gymnasiums_wrapper_by_hand(monkeypatch, recwarn):
+    monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
+    pytest.importorskip("pygame")
+    env = drive(HumanRendering(gymnasium.make("RegionSLAM/GoTo-v0", render_mode="rgb_array")))
+    env.close()
+    assert not [warning for warning in recwarn if "natively" in str(warning.message)]
 
 
 def test_a_video_is_recorded_without_a_display(tmp_path, monkeypatch):
