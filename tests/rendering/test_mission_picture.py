@@ -1,7 +1,9 @@
 import numpy as np
+import pytest
 
 from regionslam_env.rendering import Snapshot, Stop, draw_mission
-from regionslam_env.rendering.palette import BELIEF, GOAL, TRUTH, UNSEEN, type_colour
+from regionslam_env.rendering.palette import BELIEF, GOAL, TRUTH, UNSEEN, text_width, type_colour
+from regionslam_env.rendering.panel import Panel
 from regionslam_env.rendering.shapes import Shape
 from slam.rows import Row
 from tests.rendering.scene import world
@@ -61,3 +63,16 @@ def test_a_stop_has_its_number_on_both_sides_and_its_words_below():
 
 def test_a_mission_of_no_type_highlights_nothing():
     assert count(picture(goal=None), GOAL) == 0
+
+
+@pytest.mark.parametrize("y", [0.6, 1.4, 2.2, 3.0, 3.4])
+def test_the_start_covers_no_other_label(y, monkeypatch):
+    drawn: list[Panel] = []
+    finish = Panel.finish
+    monkeypatch.setattr(Panel, "finish", lambda panel: (drawn.append(panel), finish(panel))[1])
+    end = Snapshot((2.0, y, 0.0), (0.0, 0.0, 0.0), np.eye(3), true_path=[(2.0, y)], path=[(0.0, 0.0)])
+    draw_mission(world(), (2.0, y, 0.0), end, [], width=900)
+    labels = {text: (x, y, text_width(text, size) / 2, size / 2) for x, y, text, _, size, _ in drawn[0]._texts}
+    x, y, half, high = labels.pop("start")
+    assert "office 1" in labels
+    assert all(abs(x - a) >= half + w or abs(y - b) >= high + h for a, b, w, h in labels.values())
