@@ -17,6 +17,9 @@ Place = tuple[Any, Any]
 MANY = 3000
 """Copies of an item where there is to be a flood of them."""
 
+LARGEST = 1e290
+"""Numbers beyond cannot be multiplied by a float any more: an earlier change has put a huge integer there."""
+
 ODD_TEXTS = ("", " ", "nan", "-1", "0", "1e309", "x" * 10_000, "\x00", "😀", "../../etc/passwd", "/dev/zero", "None")
 
 
@@ -87,7 +90,7 @@ def _changed(root: Any, rng: random.Random) -> Any:
     value = container[key]
     if change == 0 and container is not holder:
         del container[key]
-    elif change == 1 and isinstance(value, int | float) and not isinstance(value, bool):
+    elif change == 1 and isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < LARGEST:
         container[key] = value * rng.choice([-1, 0, 1e-9, 0.5, 1.001, 10, 1000, 1e9])
     elif change == 2:
         other, j = rng.choice(places)

@@ -9,6 +9,7 @@ from agents.console import InputError
 from agents.fuzzing.attempt import FAILED, REFUSED, WORLD, attempt
 from agents.fuzzing.campaign import EXAMPLES, benchmark_fuzz
 from agents.fuzzing.examples import examples_in
+from agents.fuzzing.tree_changes import change_json
 from regionslam_env.worlds.importers.formats import FORMATS
 
 FEW = 120
@@ -31,6 +32,11 @@ def test_a_number_does_the_same_damage_again(tmp_path):
             example.damaged(folder, random.Random(number))
             copies.append({file.relative_to(folder): file.read_bytes() for file in folder.rglob("*") if file.is_file()})
         assert copies[0] == copies[1]
+
+
+def test_what_is_huge_already_can_be_changed_again():
+    for number in range(100):
+        assert change_json(b'{"level": 1%s}' % (b"0" * 400), random.Random(number))
 
 
 def test_damaged_files():
