@@ -226,7 +226,7 @@ class SemanticNavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         self._n_actions = len(self.action_space.low)
         self._running = False
         self.fusible = can_be_fused(self)
-        self.known_to: Copies | None = None
+        self.known_to: Copies | None = None  # who holds the arrays of the parts; nobody once any may be replaced
         self._fused: Copies | None = None
         self._renderer: Renderer | TextRenderer | None = None
 

@@ -18,8 +18,6 @@ from slam.jit import njit
 from slam.maps import INSIDE, USED_SLOTS, region_of
 from slam.region import b_index, u_index
 
-Records = NDArray[np.void]
-
 _STAYS = 0.8  # a region is evicted only for one that is clearly more wanted, or two would take turns
 
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from regionslam_env.slots import Records, assign, place_of, sigmoid
+from regionslam_env.slots import assign, place_of, sigmoid
 from slam.extent import probability_inside
 from slam.jit import njit
 from slam.maps import INSIDE, USED_SLOTS, Maps, is_current, region_of
@@ -24,6 +24,7 @@ _FAR = 12.0  # standard deviations beyond which the robot is surely not there
 _WEAKEST_LINK = 0.1  # probability below which a link is not worth a row
 
 Floats = NDArray[np.float32]
+Records = NDArray[np.void]
 
 
 @njit

@@ -44,7 +44,13 @@ class Addresses:
         self._held: list[list[NDArray[Any] | None]] = [[None] * arrays for _ in range(owners)]
 
     def put(self, owner: int, first: int, arrays: Sequence[NDArray[Any]]) -> None:
-        """Enter arrays of one or two dimensions from place `first` on; ValueError for one that is not contiguous."""
+        """Enter arrays of one or two dimensions from place `first` on.
+
+        Raises
+        ------
+        ValueError
+            For an array that is not contiguous, or holds objects: kernels would write over what it points to.
+        """
         row, held = self.table[owner], self._held[owner]
         for place, array in enumerate(arrays, first):
             if held[place] is not array:
